@@ -1,0 +1,207 @@
+/// Failures, warnings, counted memory, threads, cancellation and progress of one library user.
+#include "base/ctx.h"
+
+#include <omp.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define LTH_MESSAGE_MAX 4096
+#define LTH_WARNINGS_MAX 1000
+#define LTH_ALIGNMENT 64
+
+struct LitheCtx {
+  LitheCtxDef def;
+  int threads;
+  atomic_bool cancelled;
+  atomic_llong n_allocs, bytes, peak;
+  char message[LTH_MESSAGE_MAX];
+  char **warnings;
+  LitheIndex n_warnings;
+};
+
+/// Stands in front of every block so that its size is known when it is freed.
+typedef struct BlockHead {
+  size_t bytes;
+  char pad[LTH_ALIGNMENT - sizeof(size_t)];
+} BlockHead;
+
+static const struct {
+  int exit_status;
+  const char *text;
+} status_table[] = {
+#define STATUS_ROW(name, exit_status, text) {exit_status, text},
+    LITHE_STATUS_LIST(STATUS_ROW)
+#undef STATUS_ROW
+};
+
+static bool is_status(LitheStatus status) {
+  return (size_t)status < sizeof status_table / sizeof status_table[0];
+}
+
+const char *lithe_status_text(LitheStatus status) {
+  return is_status(status) ? status_table[status].text : "unknown status";
+}
+
+int lithe_status_exit(LitheStatus status) {
+  return is_status(status) ? status_table[status].exit_status : 1;
+}
+
+#define STRING_(x) #x
+#define STRING(x) STRING_(x)
+
+const char *lithe_version(void) {
+  return STRING(LITHE_VERSION_MAJOR) "." STRING(LITHE_VERSION_MINOR) "." STRING(LITHE_VERSION_PATCH);
+}
+
+static void *default_allocate(void *user, size_t alignment, size_t bytes) {
+  (void)user;
+  return aligned_alloc(alignment, bytes);
+}
+
+static void default_release(void *user, void *block) {
+  (void)user;
+  free(block);
+}
+
+LitheCtxDef lithe_ctx_def_default(void) {
+  return (LitheCtxDef){.allocate = default_allocate, .release = default_release};
+}
+
+LitheCtx *lithe_ctx_create(const LitheCtxDef *def) {
+  LitheCtx *ctx = calloc(1, sizeof *ctx);
+  if (!ctx) return NULL;
+  ctx->def = *def;
+  if (!ctx->def.allocate) ctx->def.allocate = default_allocate;
+  if (!ctx->def.release) ctx->def.release = default_release;
+  lth_set_threads(ctx, def->threads);
+  return ctx;
+}
+
+void lithe_ctx_destroy(LitheCtx **ctx) {
+  if (!ctx || !*ctx) return;
+  for (LitheIndex i = 0; i < (*ctx)->n_warnings; i++) free((*ctx)->warnings[i]);
+  free((*ctx)->warnings);
+  free(*ctx);
+  *ctx = NULL;
+}
+
+const char *lithe_ctx_message(const LitheCtx *ctx) { return ctx->message; }
+LitheIndex lithe_ctx_warning_count(const LitheCtx *ctx) { return ctx->n_warnings; }
+
+const char *lithe_ctx_warning(const LitheCtx *ctx, LitheIndex i) {
+  return i >= 0 && i < ctx->n_warnings ? ctx->warnings[i] : "";
+}
+
+void lithe_ctx_cancel(LitheCtx *ctx) { atomic_store(&ctx->cancelled, true); }
+bool lth_cancelled(const LitheCtx *ctx) { return atomic_load(&ctx->cancelled); }
+
+LitheStatus lth_fail(LitheCtx *ctx, LitheStatus status, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  vsnprintf(ctx->message, sizeof ctx->message, format, args);
+  va_end(args);
+  return status;
+}
+
+static bool has_warning(const LitheCtx *ctx, const char *text) {
+  for (LitheIndex i = 0; i < ctx->n_warnings; i++)
+    if (strcmp(ctx->warnings[i], text) == 0) return true;
+  return false;
+}
+
+void lth_warn(LitheCtx *ctx, const char *format, ...) {
+  char text[LTH_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+  if (ctx->n_warnings >= LTH_WARNINGS_MAX || has_warning(ctx, text)) return;
+
+  // a warning that finds no memory is dropped: the work itself goes on
+  char **grown = realloc(ctx->warnings, sizeof *grown * (size_t)(ctx->n_warnings + 1));
+  if (!grown) return;
+  ctx->warnings = grown;
+  char *copy = strdup(text);
+  if (copy) ctx->warnings[ctx->n_warnings++] = copy;
+}
+
+static void count_bytes(LitheCtx *ctx, long long change) {
+  long long now = atomic_fetch_add(&ctx->bytes, change) + change;
+  long long peak = atomic_load(&ctx->peak);
+  while (now > peak && !atomic_compare_exchange_weak(&ctx->peak, &peak, now)) {
+  }
+}
+
+void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
+  size_t bytes = 0;
+  if (count < 0 || __builtin_mul_overflow((size_t)count, size, &bytes) ||
+      bytes > PTRDIFF_MAX - 2 * sizeof(BlockHead))
+    return NULL;
+  size_t whole = (bytes + 2 * sizeof(BlockHead) - 1) / sizeof(BlockHead) * sizeof(BlockHead);
+  BlockHead *head = ctx->def.allocate(ctx->def.memory_user, LTH_ALIGNMENT, whole);
+  if (!head) return NULL;
+  memset(head, 0, whole);
+  head->bytes = whole;
+  atomic_fetch_add(&ctx->n_allocs, 1);
+  count_bytes(ctx, (long long)whole);
+  return head + 1;
+}
+
+void *lth_realloc(LitheCtx *ctx, void *block, LitheCount old_count, LitheCount count, size_t size) {
+  void *grown = lth_alloc(ctx, count, size);
+  if (!grown) return NULL;
+  LitheCount kept = old_count < count ? old_count : count;
+  if (block && kept > 0) memcpy(grown, block, (size_t)kept * size);
+  lth_free(ctx, block);
+  return grown;
+}
+
+void lth_free(LitheCtx *ctx, void *block) {
+  if (!block) return;
+  BlockHead *head = (BlockHead *)block - 1;
+  count_bytes(ctx, -(long long)head->bytes);
+  ctx->def.release(ctx->def.memory_user, head);
+}
+
+LitheCount lth_alloc_count(const LitheCtx *ctx) { return atomic_load(&ctx->n_allocs); }
+LitheCount lth_alloc_bytes(const LitheCtx *ctx) { return atomic_load(&ctx->bytes); }
+LitheCount lth_alloc_peak(const LitheCtx *ctx) { return atomic_load(&ctx->peak); }
+
+LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
+  *ptr = lth_alloc(ctx, count, size);
+  if (*ptr) return LITHE_OK;
+  return lth_fail(ctx, LITHE_NO_MEMORY, "out of memory: %lld x %zu bytes were asked for",
+                  (long long)count, size);
+}
+
+LitheStatus lth_reserve_(LitheCtx *ctx, void **ptr, LitheCount *cap, LitheCount need, size_t size) {
+  if (need <= *cap) return LITHE_OK;
+  LitheCount grown_cap = *cap < 16 ? 16 : 2 * *cap;
+  if (grown_cap < need) grown_cap = need;
+  void *grown = lth_realloc(ctx, *ptr, *cap, grown_cap, size);
+  if (!grown)
+    return lth_fail(ctx, LITHE_NO_MEMORY, "out of memory: %lld x %zu bytes were asked for",
+                    (long long)grown_cap, size);
+  *ptr = grown;
+  *cap = grown_cap;
+  return LITHE_OK;
+}
+
+int lth_threads(const LitheCtx *ctx) { return ctx->threads; }
+
+void lth_set_threads(LitheCtx *ctx, int threads) {
+  ctx->threads = threads > 0 ? threads : omp_get_num_procs();
+}
+
+void lth_progress(LitheCtx *ctx, const char *phase, double fraction) {
+  if (ctx->def.progress) ctx->def.progress(ctx->def.progress_user, phase, fraction);
+}
+
+double lth_now(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}

@@ -1,0 +1,81 @@
+/// Vectors of three and row-major 3x3 matrices: pure inline functions, no allocation.
+#pragma once
+
+#include <math.h>
+#include <string.h>
+
+static inline double lth_v3_dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double lth_v3_norm(const double a[3]) { return sqrt(lth_v3_dot(a, a)); }
+
+static inline void lth_v3_copy(const double a[3], double r[3]) { memcpy(r, a, 3 * sizeof *r); }
+
+static inline void lth_v3_sub(const double a[3], const double b[3], double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] = a[i] - b[i];
+}
+
+static inline void lth_v3_add(const double a[3], const double b[3], double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] = a[i] + b[i];
+}
+
+/// r += s a
+static inline void lth_v3_axpy(double s, const double a[3], double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] += s * a[i];
+}
+
+static inline void lth_v3_scale(double s, double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] *= s;
+}
+
+/// r = a x b; r may not alias a or b.
+static inline void lth_v3_cross(const double a[3], const double b[3], double r[3]) {
+  r[0] = a[1] * b[2] - a[2] * b[1];
+  r[1] = a[2] * b[0] - a[0] * b[2];
+  r[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/// Divide by the length and return it; a zero vector stays as it is.
+static inline double lth_v3_normalize(double r[3]) {
+  double length = lth_v3_norm(r);
+  if (length > 0) lth_v3_scale(1 / length, r);
+  return length;
+}
+
+static inline double lth_v3_distance(const double a[3], const double b[3]) {
+  double d[3];
+  lth_v3_sub(a, b, d);
+  return lth_v3_norm(d);
+}
+
+static inline void lth_m3_identity(double R[9]) {
+  for (int i = 0; i < 9; i++) R[i] = i % 4 == 0;
+}
+
+/// r = A x; r may not alias x.
+static inline void lth_m3_apply(const double A[9], const double x[3], double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+}
+
+/// r = A^T x; r may not alias x.
+static inline void lth_m3_apply_t(const double A[9], const double x[3], double r[3]) {
+  for (int i = 0; i < 3; i++) r[i] = A[i] * x[0] + A[3 + i] * x[1] + A[6 + i] * x[2];
+}
+
+/// C = A B; C may not alias A or B.
+static inline void lth_m3_mul(const double A[9], const double B[9], double C[9]) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+}
+
+static inline void lth_m3_transpose(const double A[9], double T[9]) {
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) T[3 * i + j] = A[3 * j + i];
+}
+
+static inline double lth_m3_det(const double A[9]) {
+  return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
+         A[2] * (A[3] * A[7] - A[4] * A[6]);
+}

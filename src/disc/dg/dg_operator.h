@@ -1,0 +1,75 @@
+/// DG elasticity: element and face matrices, penalty, weak constraints, stiffness warping, assembly.
+/// Kaufmann et al. 2009, sections 4.2 and 6, with the corrections of docs/theory/dg.md.
+#pragma once
+
+#include "disc/dg/dg_space.h"
+#include "la/block_matrix.h"
+#include "material/material.h"
+#include "mesh/selection.h"
+
+typedef enum LthFlux { LTH_FLUX_IP, LTH_FLUX_BZ } LthFlux;
+
+typedef enum LthPenaltyKind {
+  LTH_PENALTY_AUTO,       ///< projected and split by a sharp local bound; BZ: softening below 2 %
+  LTH_PENALTY_ETA,        ///< eq. (20) with eta, times lambda + 2 mu
+  LTH_PENALTY_ETA_PLAIN   ///< eq. (20) with eta, to the letter (no material constant)
+} LthPenaltyKind;
+
+/// A weakly imposed displacement on part of the boundary.
+typedef struct LthWeakConstraint {
+  const LthPatches *patches;     ///< borrowed for life
+  bool fixed[3];                 ///< components that are prescribed
+  bool normal_only;              ///< a roller: only the normal component, value[0]
+  bool is_position;              ///< value is the deformed place, not the displacement
+  LthValue value[3];             ///< [m]
+} LthWeakConstraint;
+
+typedef struct LthDgOperatorDef {
+  const LthDgSpace *space;       ///< borrowed for life
+  const double *young, *poisson; ///< per cell (mean)                     (n_cells)
+  LthFlux flux;
+  LthPenaltyKind penalty;
+  double eta;                    ///< for the eta kinds
+  bool warped;                   ///< stiffness warping (corotated)
+  const LthWeakConstraint *weak; ///< copied; the patches are borrowed
+  LitheIndex n_weak;
+} LthDgOperatorDef;
+
+typedef struct LthDgOperator LthDgOperator;
+
+/// Integrate everything that does not change with time: element, face and constraint matrices.
+LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def, LthDgOperator **op);
+void lth_dg_operator_destroy(LitheCtx *ctx, LthDgOperator **op);
+
+/// The rotations R_K used by the next assembly (n_cells x 9, row-major), identity at first.
+const double *lth_dg_rotations(const LthDgOperator *op);
+
+/// R_K = polar(mean gradient of position) for every cell; nothing if not warped. x (n_dofs) [m].
+void lth_dg_update_rotations(LthDgOperator *op, const double *x);
+
+/// Set all R_K to the identity.
+void lth_dg_reset_rotations(LthDgOperator *op);
+
+/// An empty matrix with the pattern of the operator (diagonal and face neighbours).
+LitheStatus lth_dg_matrix_create(LitheCtx *ctx, const LthDgOperator *op, LthBlockMatrix **K);
+
+/// Values of the warped stiffness K and the vector f0 such that the internal force at position
+/// coefficients x is f_int = K x - f0 with the rotations as they stand and constraint values of time t.
+/// f_int = gradient of the elastic energy; equilibrium is f_int = f_ext. Allocates nothing.
+void lth_dg_assemble(LthDgOperator *op, double t, LthBlockMatrix *K, double *f0);
+
+/// Refresh f0 alone for another time or other constraint values (K unchanged).
+void lth_dg_assemble_load(LthDgOperator *op, double t, double *f0);
+
+/// Elastic energy at x with the rotations as they stand [J] (jumps and constraints included).
+double lth_dg_energy(LthDgOperator *op, double t, const double *x);
+
+/// Reaction force of each weak constraint on the body at x [N] (n_weak x 3).
+void lth_dg_reactions(LthDgOperator *op, double t, const double *x, double *reaction);
+
+/// Cauchy stress at a point of a cell, rotated to the deformed state; sym: xx yy zz yz zx xy [Pa].
+void lth_dg_stress(const LthDgOperator *op, LitheIndex cell, const double *x, const double at[3],
+                   double stress[6]);
+
+/// Scale printed as `penalty` in the result: smallest and largest penalty over (lambda + 2 mu) / h.
+void lth_dg_penalty_range(const LthDgOperator *op, double *min, double *max);

@@ -1,0 +1,26 @@
+/// Whole files: read into memory, written to a temporary name and renamed, folders made.
+#pragma once
+
+#include "base/ctx.h"
+
+#include <stdio.h>
+
+/// Read a whole file; `*data` (size + 1 bytes, 0 at the end) is freed by lth_free().
+LitheStatus lth_file_read(LitheCtx *ctx, const char *path, char **data, size_t *size);
+
+/// A file being written: it appears under its name only when it is complete.
+typedef struct LthFileWriter {
+  FILE *stream;
+  char *path, *temporary;
+} LthFileWriter;
+
+LitheStatus lth_file_open(LitheCtx *ctx, const char *path, LthFileWriter *writer);
+/// Flush, check, rename; on any failure the temporary file is removed. LITHE_NO_SPACE with the reason.
+LitheStatus lth_file_commit(LitheCtx *ctx, LthFileWriter *writer);
+void lth_file_abandon(LitheCtx *ctx, LthFileWriter *writer);
+
+/// Make a folder and its parents.
+LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);
+
+/// "a/b" from "a" and "b"; freed by lth_free().
+LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path);

@@ -1,0 +1,40 @@
+/// Block sparse matrix with dense blocks of varying size: one block row per element.
+#pragma once
+
+#include "base/ctx.h"
+
+/// Both triangles are stored; columns ascend; blocks are dense and row-major. Pattern and values are
+/// split so that a new assembly keeps the pattern.
+typedef struct LthBlockMatrix {
+  LitheIndex n_rows;       ///< block rows = block columns
+  LitheCount n;            ///< scalar rows
+  LitheCount *row_off;     ///< first scalar row of a block row            (n_rows + 1)
+  LitheCount *block_off;   ///< blocks of a row                             (n_rows + 1)
+  LitheIndex *block_col;   ///< block column of a block                     (n_blocks)
+  LitheCount *value_off;   ///< first value of a block                      (n_blocks + 1)
+  LitheCount *diagonal;    ///< block index of the diagonal block of a row  (n_rows)
+  double *values;          ///< (value_off[n_blocks])
+  uint64_t pattern_revision; ///< changes when the pattern does: a symbolic analysis is stale then
+} LthBlockMatrix;
+
+/// Allocate for a pattern given by ascending columns per row, diagonal included. All is copied.
+LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                    const LitheCount *block_off, const LitheIndex *block_col,
+                                    LthBlockMatrix **A);
+void lth_block_matrix_destroy(LitheCtx *ctx, LthBlockMatrix **A);
+
+/// Block (row, col), or -1. Binary search.
+LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheIndex col);
+
+/// y = A x on `threads` threads; the same bits for any number of them.
+void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y);
+
+/// Write the scalar matrix (lower triangle of a symmetric one) as Matrix Market.
+LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, const char *path);
+
+/// Largest |A - A^T| over largest |A|.
+double lth_block_matrix_asymmetry(const LthBlockMatrix *A);
+
+/// 2-norm condition number of a symmetric positive definite A: dense eigenvalues (LAPACK) up to 3000
+/// unknowns, Lanczos with a Cholesky factor beyond. LITHE_BAD_INPUT where A is not definite.
+LitheStatus lth_block_matrix_condition(LitheCtx *ctx, const LthBlockMatrix *A, double *condition);

@@ -1,0 +1,42 @@
+/// Preconditioned conjugate gradients and the block-Jacobi preconditioner.
+#pragma once
+
+#include "la/block_matrix.h"
+
+/// y = A x, as a callback. Deterministic for any number of threads.
+typedef struct LthOperator {
+  LitheCount n;
+  void (*apply)(const void *self, const double *x, double *y);
+  const void *self;
+} LthOperator;
+
+typedef struct LthSolveReport {
+  bool converged;
+  LitheIndex iterations;
+  double residual; ///< |b - A x| / |b|, true at the end
+} LthSolveReport;
+
+/// Vectors of a solve, allocated once.
+typedef struct LthCg LthCg;
+LitheStatus lth_cg_create(LitheCtx *ctx, LitheCount n, LthCg **cg);
+void lth_cg_destroy(LitheCtx *ctx, LthCg **cg);
+
+/// Solve A x = b from the x given (warm start) until |r| <= tolerance |b|. Allocates nothing.
+/// Sums in fixed blocks and order: the same bits for any number of threads.
+LthSolveReport lth_cg_solve(LthCg *cg, int threads, const LthOperator *A, const LthOperator *M,
+                            const double *b, double *x, double tolerance, LitheIndex max_iterations);
+
+/// Inverse (Cholesky factors) of the diagonal blocks of A plus an optional extra diagonal operator.
+typedef struct LthBlockJacobi LthBlockJacobi;
+LitheStatus lth_block_jacobi_create(LitheCtx *ctx, const LthBlockMatrix *A, LthBlockJacobi **M);
+void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M);
+
+/// Refactor from A's current diagonal blocks; `extra` (same layout as the diagonal blocks one after the
+/// other, or NULL) is added first. LITHE_NOT_CONVERGED names the first block that is not definite.
+LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthBlockMatrix *A,
+                                    const double *extra);
+LthOperator lth_block_jacobi_operator(const LthBlockJacobi *M);
+LthOperator lth_block_matrix_operator(const LthBlockMatrix *A, const LitheCtx *ctx);
+
+/// Dot product in fixed blocks.
+double lth_dot(int threads, LitheCount n, const double *x, const double *y);

@@ -1,0 +1,83 @@
+/// A body that moves: its state, and the static, quasistatic and dynamic drivers.
+#pragma once
+
+#include "disc/dg/dg_load.h"
+#include "disc/dg/dg_operator.h"
+#include "embed/contact.h"
+#include "la/engine.h"
+#include "la/krylov.h"
+
+/// What the stepper needs of a body; everything is borrowed for life.
+typedef struct LthBodyDef {
+  const LthDgSpace *space;
+  LthDgOperator *op;
+  const double *density;       ///< per cell [kg/m^3]
+  double damping_mass, damping_stiffness;
+  double gravity[3];
+  const LthLoad *loads;
+  LitheIndex n_loads;
+  const uint8_t *strong;       ///< per cell: moves as prescribed, or NULL (n_cells)
+  LitheStatus (*prescribe)(const void *self, double t, double *x); ///< writes the coefficients of all
+                               ///< strong cells at time t; others untouched
+  const void *prescribe_self;
+  LthContact *contact;         ///< or NULL
+  bool warped;                 ///< corotated: static solves iterate rotations
+} LthBodyDef;
+
+typedef enum LthLinearChoice { LTH_LINEAR_AUTO, LTH_LINEAR_CHOLESKY, LTH_LINEAR_PCG } LthLinearChoice;
+
+typedef struct LthStepOptions {
+  LthLinearChoice linear;
+  double tolerance;          ///< of the linear solver, relative
+  LitheIndex max_iterations; ///< of PCG; 0: 10 sqrt(n) + 1000
+  double newton_tolerance;   ///< relative residual of static equilibrium
+  LitheIndex newton_iterations;
+  double memory_limit;       ///< bytes that `auto` may plan for; 0: three quarters of the machine's
+} LthStepOptions;
+
+LthStepOptions lth_step_options_default(void);
+
+/// Running totals and the last step's figures.
+typedef struct LthStepReport {
+  bool converged;              ///< all solves so far
+  const char *linear;          ///< "cholesky" or "pcg"
+  const char *linear_reason;   ///< why `auto` took it
+  LitheIndex linear_iterations, newton_iterations; ///< of the last step
+  LitheCount linear_total;     ///< of the whole run
+  double residual;             ///< of the last step
+  double strain_energy, kinetic_energy, work; ///< [J]
+  double momentum[3], angular_momentum[3];
+  LitheIndex contacts;
+  double penetration;          ///< [m]
+  double time_assemble, time_factor, time_solve; ///< [s] in total
+} LthStepReport;
+
+typedef struct LthSimulation LthSimulation;
+
+/// Start at rest; x = X0. Sets up matrices, solvers and scratch, so that steps allocate nothing.
+LitheStatus lth_simulation_create(LitheCtx *ctx, const LthBodyDef *body, const LthStepOptions *options,
+                                  LthSimulation **sim);
+void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
+
+/// Coefficients: position, velocity (n_dofs each), lent until the next call. Writable by owners that
+/// set an initial state.
+double *lth_simulation_position(LthSimulation *sim);
+double *lth_simulation_velocity(LthSimulation *sim);
+const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, kept up to date
+
+double lth_simulation_time(const LthSimulation *sim);
+const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
+
+/// One linearly implicit Euler step of length dt:
+///   ((1 + h a) M + (h^2 + h b) K_w + contact) v1 = M v0 + h (f_ext - f_int(x0; R(x0))),  x1 = x0 + h v1.
+/// A linear solve that misses its tolerance is told in the report (converged = false), not an error.
+LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *sim, double dt);
+
+/// Equilibrium at time t from the present state. Corotated bodies iterate rotations; where the plain
+/// iteration does not fall, loads are stepped and steps damped. `report->converged` says whether the
+/// residual came below newton_tolerance.
+LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *sim, double t);
+
+/// Recompute energies, momenta and work of the present state.
+void lth_simulation_measure(LitheCtx *ctx, LthSimulation *sim);
+const LthStepReport *lth_simulation_report(const LthSimulation *sim);
