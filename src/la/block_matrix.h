@@ -6,14 +6,14 @@
 /// Both triangles are stored; columns ascend; blocks are dense and row-major. Pattern and values are
 /// split so that a new assembly keeps the pattern.
 typedef struct LthBlockMatrix {
-  LitheIndex n_rows;       ///< block rows = block columns
-  LitheCount n;            ///< scalar rows
-  LitheCount *row_off;     ///< first scalar row of a block row            (n_rows + 1)
-  LitheCount *block_off;   ///< blocks of a row                             (n_rows + 1)
-  LitheIndex *block_col;   ///< block column of a block                     (n_blocks)
-  LitheCount *value_off;   ///< first value of a block                      (n_blocks + 1)
-  LitheCount *diagonal;    ///< block index of the diagonal block of a row  (n_rows)
-  double *values;          ///< (value_off[n_blocks])
+  LitheIndex n_rows;         ///< block rows = block columns
+  LitheCount n;              ///< scalar rows
+  LitheCount *row_off;       ///< first scalar row of a block row            (n_rows + 1)
+  LitheCount *block_off;     ///< blocks of a row                             (n_rows + 1)
+  LitheIndex *block_col;     ///< block column of a block                     (n_blocks)
+  LitheCount *value_off;     ///< first value of a block                      (n_blocks + 1)
+  LitheCount *diagonal;      ///< block index of the diagonal block of a row  (n_rows)
+  double *values;            ///< (value_off[n_blocks])
   uint64_t pattern_revision; ///< changes when the pattern does: a symbolic analysis is stale then
 } LthBlockMatrix;
 

@@ -3,10 +3,10 @@
 
 #include "la/block_matrix.h"
 
-/// y = A x, as a callback. Deterministic for any number of threads.
+/// y = A x, as a callback that may use `threads` threads. Same bits for any number of them.
 typedef struct LthOperator {
   LitheCount n;
-  void (*apply)(const void *self, const double *x, double *y);
+  void (*apply)(const void *self, int threads, const double *x, double *y);
   const void *self;
 } LthOperator;
 
@@ -22,11 +22,13 @@ LitheStatus lth_cg_create(LitheCtx *ctx, LitheCount n, LthCg **cg);
 void lth_cg_destroy(LitheCtx *ctx, LthCg **cg);
 
 /// Solve A x = b from the x given (warm start) until |r| <= tolerance |b|. Allocates nothing.
-/// Sums in fixed blocks and order: the same bits for any number of threads.
+/// Sums in fixed blocks and order: the same bits for any number of threads. M may be NULL. Where A or M
+/// turns out not to be definite the report says converged = false with few iterations.
 LthSolveReport lth_cg_solve(LthCg *cg, int threads, const LthOperator *A, const LthOperator *M,
-                            const double *b, double *x, double tolerance, LitheIndex max_iterations);
+                            const double *b, double *x, double tolerance,
+                            LitheIndex max_iterations);
 
-/// Inverse (Cholesky factors) of the diagonal blocks of A plus an optional extra diagonal operator.
+/// Inverses of the diagonal blocks of A plus an optional extra diagonal operator.
 typedef struct LthBlockJacobi LthBlockJacobi;
 LitheStatus lth_block_jacobi_create(LitheCtx *ctx, const LthBlockMatrix *A, LthBlockJacobi **M);
 void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M);
@@ -36,7 +38,7 @@ void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M);
 LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthBlockMatrix *A,
                                     const double *extra);
 LthOperator lth_block_jacobi_operator(const LthBlockJacobi *M);
-LthOperator lth_block_matrix_operator(const LthBlockMatrix *A, const LitheCtx *ctx);
+LthOperator lth_block_matrix_operator(const LthBlockMatrix *A);
 
 /// Dot product in fixed blocks.
 double lth_dot(int threads, LitheCount n, const double *x, const double *y);

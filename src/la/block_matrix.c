@@ -1,0 +1,225 @@
+/// Block sparse matrix: pattern, lookup, product with a vector, export.
+#include "la/block_matrix.h"
+
+#include "base/clones.h"
+#include "la/krylov.h"
+
+#include <errno.h>
+#include <math.h>
+#include <omp.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LANES 4
+
+// four doubles at any address; a compiler without wide registers splits them
+typedef double Lane __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+
+static LitheIndex block_size(const LthBlockMatrix *A, LitheIndex row) {
+  return (LitheIndex)(A->row_off[row + 1] - A->row_off[row]);
+}
+
+/// Ascending columns within range and a diagonal block in every row.
+static LitheStatus check_pattern(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *block_off,
+                                 const LitheIndex *block_col) {
+  for (LitheIndex row = 0; row < n_rows; row++) {
+    bool has_diagonal = false;
+    for (LitheCount e = block_off[row]; e < block_off[row + 1]; e++) {
+      bool ascends = e == block_off[row] || block_col[e - 1] < block_col[e];
+      if (!ascends || block_col[e] < 0 || block_col[e] >= n_rows)
+        LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+                   "block matrix: columns of row %d must ascend within 0..%d, got %d", (int)row,
+                   (int)n_rows - 1, (int)block_col[e]);
+      has_diagonal |= block_col[e] == row;
+    }
+    if (!has_diagonal)
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT, "block matrix: row %d has no diagonal block", (int)row);
+  }
+  return LITHE_OK;
+}
+
+static void fill_offsets(LthBlockMatrix *A) {
+  LitheCount value = 0;
+  for (LitheIndex row = 0; row < A->n_rows; row++)
+    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      A->value_off[e] = value;
+      value += (LitheCount)block_size(A, row) * block_size(A, A->block_col[e]);
+      if (A->block_col[e] == row) A->diagonal[row] = e;
+    }
+  A->value_off[A->block_off[A->n_rows]] = value;
+}
+
+LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                    const LitheCount *block_off, const LitheIndex *block_col,
+                                    LthBlockMatrix **matrix) {
+  static atomic_uint_least64_t last_revision;
+  LitheStatus status = LITHE_OK;
+  LitheCount n_blocks = block_off[n_rows];
+  LthBlockMatrix *A = NULL;
+  *matrix = NULL;
+  LITHE_TRY(check_pattern(ctx, n_rows, block_off, block_col));
+  LTH_NEW_OR(done, ctx, A, 1);
+  A->n_rows = n_rows;
+  A->n = row_off[n_rows] - row_off[0];
+  LTH_NEW_OR(done, ctx, A->row_off, n_rows + 1);
+  LTH_NEW_OR(done, ctx, A->block_off, n_rows + 1);
+  LTH_NEW_OR(done, ctx, A->block_col, n_blocks);
+  LTH_NEW_OR(done, ctx, A->value_off, n_blocks + 1);
+  LTH_NEW_OR(done, ctx, A->diagonal, n_rows);
+  memcpy(A->row_off, row_off, sizeof *row_off * (size_t)(n_rows + 1));
+  memcpy(A->block_off, block_off, sizeof *block_off * (size_t)(n_rows + 1));
+  memcpy(A->block_col, block_col, sizeof *block_col * (size_t)n_blocks);
+  fill_offsets(A);
+  LTH_NEW_OR(done, ctx, A->values, A->value_off[n_blocks]);
+  A->pattern_revision = atomic_fetch_add(&last_revision, 1) + 1;
+  *matrix = A;
+  A = NULL;
+done:
+  lth_block_matrix_destroy(ctx, &A);
+  return status;
+}
+
+void lth_block_matrix_destroy(LitheCtx *ctx, LthBlockMatrix **matrix) {
+  if (!matrix || !*matrix) return;
+  LthBlockMatrix *A = *matrix;
+  lth_free(ctx, A->row_off);
+  lth_free(ctx, A->block_off);
+  lth_free(ctx, A->block_col);
+  lth_free(ctx, A->value_off);
+  lth_free(ctx, A->diagonal);
+  lth_free(ctx, A->values);
+  lth_free(ctx, A);
+  *matrix = NULL;
+}
+
+LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheIndex col) {
+  LitheCount first = A->block_off[row], last = A->block_off[row + 1];
+  while (first < last) {
+    LitheCount middle = first + (last - first) / 2;
+    if (A->block_col[middle] < col)
+      first = middle + 1;
+    else
+      last = middle;
+  }
+  return first < A->block_off[row + 1] && A->block_col[first] == col ? first : -1;
+}
+
+static inline double lane_sum(Lane s) { return (s[0] + s[1]) + (s[2] + s[3]); }
+
+/// y of one block row; three rows of every block at a time share the loads of x. Lanes are summed
+/// once at the end of the row, so short blocks cost no horizontal sums.
+LTH_CLONES
+static void apply_row(const LthBlockMatrix *A, LitheIndex row, const double *restrict x,
+                      double *restrict y) {
+  const LitheIndex m = block_size(A, row);
+  for (LitheIndex r = 0; r < m; r += 3) {
+    const LitheIndex r1 = r + 1 < m ? r + 1 : r, r2 = r + 2 < m ? r + 2 : r;
+    Lane s0 = {0}, s1 = {0}, s2 = {0};
+    double t0 = 0, t1 = 0, t2 = 0;
+    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      const LitheIndex col = A->block_col[e], n = block_size(A, col);
+      const double *restrict B = A->values + A->value_off[e];
+      const double *b0 = B + (size_t)r * (size_t)n, *b1 = B + (size_t)r1 * (size_t)n,
+                   *b2 = B + (size_t)r2 * (size_t)n, *xc = x + A->row_off[col];
+      LitheIndex c = 0;
+      for (; c + LANES <= n; c += LANES) {
+        const Lane v = *(const Lane *)(xc + c);
+        s0 += *(const Lane *)(b0 + c) * v;
+        s1 += *(const Lane *)(b1 + c) * v;
+        s2 += *(const Lane *)(b2 + c) * v;
+      }
+      for (; c < n; c++) {
+        t0 += b0[c] * xc[c];
+        t1 += b1[c] * xc[c];
+        t2 += b2[c] * xc[c];
+      }
+    }
+    double *yr = y + A->row_off[row];
+    yr[r] = lane_sum(s0) + t0;
+    if (r + 1 < m) yr[r + 1] = lane_sum(s1) + t1;
+    if (r + 2 < m) yr[r + 2] = lane_sum(s2) + t2;
+  }
+}
+
+void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y) {
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex row = 0; row < A->n_rows; row++) apply_row(A, row, x, y);
+}
+
+static void apply_operator(const void *self, int threads, const double *x, double *y) {
+  lth_block_matrix_apply(self, threads, x, y);
+}
+
+LthOperator lth_block_matrix_operator(const LthBlockMatrix *A) {
+  return (LthOperator){.n = A->n, .apply = apply_operator, .self = A};
+}
+
+/// Entries of the lower triangle.
+static LitheCount lower_entries(const LthBlockMatrix *A) {
+  LitheCount n = 0;
+  for (LitheIndex row = 0; row < A->n_rows; row++)
+    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      LitheCount m = block_size(A, row), k = block_size(A, A->block_col[e]);
+      if (A->block_col[e] < row) n += m * k;
+      if (A->block_col[e] == row) n += m * (m + 1) / 2;
+    }
+  return n;
+}
+
+static void write_lower(const LthBlockMatrix *A, FILE *file) {
+  fprintf(file, "%%%%MatrixMarket matrix coordinate real symmetric\n%lld %lld %lld\n",
+          (long long)A->n, (long long)A->n, (long long)lower_entries(A));
+  for (LitheIndex row = 0; row < A->n_rows && !ferror(file); row++)
+    for (LitheIndex r = 0; r < block_size(A, row); r++)
+      for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+        LitheIndex col = A->block_col[e], n = block_size(A, col);
+        LitheIndex end = col < row ? n : col == row ? r + 1 : 0;
+        for (LitheIndex c = 0; c < end; c++)
+          fprintf(file, "%lld %lld %.17g\n", (long long)(A->row_off[row] + r + 1),
+                  (long long)(A->row_off[col] + c + 1),
+                  A->values[A->value_off[e] + (LitheCount)r * n + c]);
+      }
+}
+
+LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, const char *path) {
+  static const char suffix[] = ".part";
+  LitheStatus status = LITHE_OK;
+  char *part = NULL;
+  FILE *file = NULL;
+  LTH_NEW(ctx, part, (LitheCount)(strlen(path) + sizeof suffix));
+  memcpy(part, path, strlen(path));
+  memcpy(part + strlen(path), suffix, sizeof suffix);
+  file = fopen(part, "w");
+  if (!file) {
+    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot open for writing: %s", part, strerror(errno));
+    goto done;
+  }
+  write_lower(A, file);
+  bool written = !ferror(file);
+  written = fclose(file) == 0 && written;
+  if (written && rename(part, path) == 0) goto done;
+  status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot write the matrix: %s", path, strerror(errno));
+  remove(part);
+done:
+  lth_free(ctx, part);
+  return status;
+}
+
+double lth_block_matrix_asymmetry(const LthBlockMatrix *A) {
+  double largest = 0, difference = 0;
+  for (LitheIndex row = 0; row < A->n_rows; row++)
+    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      LitheIndex col = A->block_col[e], m = block_size(A, row), n = block_size(A, col);
+      LitheCount twin = lth_block_matrix_find(A, col, row);
+      const double *B = A->values + A->value_off[e];
+      const double *T = twin < 0 ? NULL : A->values + A->value_off[twin];
+      for (LitheIndex r = 0; r < m; r++)
+        for (LitheIndex c = 0; c < n; c++) {
+          double b = B[r * n + c], t = T ? T[c * m + r] : 0;
+          largest = fmax(largest, fabs(b));
+          difference = fmax(difference, fabs(b - t));
+        }
+    }
+  return largest > 0 ? difference / largest : 0;
+}
