@@ -22,5 +22,5 @@ void lth_file_abandon(LitheCtx *ctx, LthFileWriter *writer);
 /// Make a folder and its parents.
 LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);
 
-/// "a/b" from "a" and "b"; freed by lth_free().
+/// "a/b" from "a" and "b" (an absolute "b" stays as it is); freed by lth_free().
 LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path);

@@ -1,0 +1,163 @@
+/// Whole files and folders: reading, writing to a temporary name that is renamed, joining paths.
+#include "io/file.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define READ_CHUNK 65536
+
+/// Append everything that `stream` still holds to `*data`.
+static LitheStatus read_stream(LitheCtx *ctx, const char *path, FILE *stream, char **data,
+                               size_t *size) {
+  LitheCount cap = 0, n = 0;
+  for (;;) {
+    LTH_RESERVE(ctx, *data, cap, n + READ_CHUNK + 1);
+    size_t got = fread(*data + n, 1, (size_t)(cap - n - 1), stream);
+    n += (LitheCount)got;
+    if (ferror(stream))
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    if (got == 0) break;
+  }
+  (*data)[n] = 0;
+  *size = (size_t)n;
+  return LITHE_OK;
+}
+
+LitheStatus lth_file_read(LitheCtx *ctx, const char *path, char **data, size_t *size) {
+  *data = NULL;
+  *size = 0;
+  struct stat info;
+  if (stat(path, &info) != 0)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+  if (S_ISDIR(info.st_mode))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: is a folder, expected a file", path);
+  FILE *stream = fopen(path, "rb");
+  if (!stream) LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+
+  LitheStatus status = read_stream(ctx, path, stream, data, size);
+  fclose(stream);
+  if (status != LITHE_OK) {
+    lth_free(ctx, *data);
+    *data = NULL;
+    *size = 0;
+  }
+  return status;
+}
+
+static LitheStatus cannot_write(LitheCtx *ctx, const char *path, int reason) {
+  return lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path,
+                  reason ? strerror(reason) : "a write was incomplete");
+}
+
+/// Only a regular file can be replaced by a rename; a device or a pipe is written to directly.
+static bool is_special(const char *path) {
+  struct stat info;
+  return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
+LitheStatus lth_file_open(LitheCtx *ctx, const char *path, LthFileWriter *writer) {
+  *writer = (LthFileWriter){0};
+  struct stat info;
+  if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) return cannot_write(ctx, path, EISDIR);
+
+  LitheStatus status = LITHE_OK;
+  size_t length = strlen(path);
+  LTH_NEW_OR(done, ctx, writer->path, (LitheCount)length + 1);
+  memcpy(writer->path, path, length + 1);
+  if (!is_special(path)) {
+    LTH_NEW_OR(done, ctx, writer->temporary, (LitheCount)length + 32);
+    snprintf(writer->temporary, length + 32, "%s.%ld.part", path, (long)getpid());
+  }
+  writer->stream = fopen(writer->temporary ? writer->temporary : path, "wb");
+  if (!writer->stream) status = cannot_write(ctx, path, errno);
+done:
+  if (status != LITHE_OK) {
+    lth_free(ctx, writer->temporary);
+    lth_free(ctx, writer->path);
+    *writer = (LthFileWriter){0};
+  }
+  return status;
+}
+
+/// Flush and close; 0 or the reason (-1 where the system gives none).
+static int close_stream(FILE *stream) {
+  errno = 0;
+  bool failed = ferror(stream) != 0;
+  if (fflush(stream) != 0) failed = true;
+  int reason = errno;
+  if (fclose(stream) != 0) {
+    failed = true;
+    if (!reason) reason = errno;
+  }
+  if (!failed) return 0;
+  return reason ? reason : -1;
+}
+
+LitheStatus lth_file_commit(LitheCtx *ctx, LthFileWriter *writer) {
+  LitheStatus status = LITHE_OK;
+  int reason = close_stream(writer->stream);
+  writer->stream = NULL;
+  if (reason) {
+    status = cannot_write(ctx, writer->path, reason > 0 ? reason : 0);
+  } else if (writer->temporary) {
+    if (rename(writer->temporary, writer->path) != 0) {
+      status = cannot_write(ctx, writer->path, errno);
+    } else {
+      lth_free(ctx, writer->temporary);
+      writer->temporary = NULL;
+    }
+  }
+  lth_file_abandon(ctx, writer);
+  return status;
+}
+
+void lth_file_abandon(LitheCtx *ctx, LthFileWriter *writer) {
+  if (writer->stream) fclose(writer->stream);
+  if (writer->temporary) remove(writer->temporary);
+  lth_free(ctx, writer->temporary);
+  lth_free(ctx, writer->path);
+  *writer = (LthFileWriter){0};
+}
+
+static LitheStatus make_one_folder(LitheCtx *ctx, const char *path) {
+  if (mkdir(path, 0777) == 0) return LITHE_OK;
+  int reason = errno;
+  struct stat info;
+  if (reason == EEXIST && stat(path, &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return LITHE_OK;
+    LITHE_FAIL(ctx, LITHE_NO_SPACE, "%s: a folder is to be made here, but a file has this name",
+               path);
+  }
+  LITHE_FAIL(ctx, LITHE_NO_SPACE, "%s: folder cannot be made: %s", path, strerror(reason));
+}
+
+LitheStatus lth_folder_make(LitheCtx *ctx, const char *path) {
+  LitheStatus status = LITHE_OK;
+  char *prefix = NULL;
+  size_t length = strlen(path);
+  if (length == 0) return LITHE_OK;
+  LTH_NEW(ctx, prefix, (LitheCount)length + 1);
+  memcpy(prefix, path, length + 1);
+  for (size_t i = 1; i < length; i++) {
+    if (prefix[i] != '/' || prefix[i - 1] == '/') continue;
+    prefix[i] = 0;
+    LITHE_TRY_OR(done, make_one_folder(ctx, prefix));
+    prefix[i] = '/';
+  }
+  LITHE_TRY_OR(done, make_one_folder(ctx, prefix));
+done:
+  lth_free(ctx, prefix);
+  return status;
+}
+
+LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path) {
+  size_t n_folder = name[0] == '/' ? 0 : strlen(folder), n_name = strlen(name);
+  bool needs_slash = n_folder > 0 && folder[n_folder - 1] != '/';
+  LTH_NEW(ctx, *path, (LitheCount)(n_folder + n_name + 2));
+  memcpy(*path, folder, n_folder);
+  if (needs_slash) (*path)[n_folder] = '/';
+  memcpy(*path + n_folder + needs_slash, name, n_name + 1);
+  return LITHE_OK;
+}
