@@ -68,6 +68,13 @@ __attribute__((constructor)) static void build_tables(void) {
     }
 }
 
+void lth_monomials3_eval(int p, const double xi[3], double *values) {
+  int n = lth_monomials3(p);
+  values[0] = 1;
+  for (int q = 1; q < n; q++)
+    values[q] = xi[steps3[q].axis] * values[steps3[q].lower[steps3[q].axis]];
+}
+
 /// sum += d * e, e(alpha) = int_0^1 (a + t (b - a))^alpha dt by eq. (5).
 static inline void add_edge3(int n, const double a[3], const double b[3], double d,
                              double *restrict sum) {
@@ -113,16 +120,26 @@ static inline double triple(const double x0[3], const double a[3], const double 
   return lth_v3_dot(x0, w);
 }
 
-void lth_moments_add_face(int p, const double center[3], const double scale[3],
-                          const LthFaceView *face, double sign, double *moments) {
-  LITHE_ASSERT(p >= 0 && p <= MAX_P);
-  int n = lth_monomials3(p);
+/// Twice the area of the triangle x0, a, b about the face's normal, from scaled coordinates.
+static inline double twice_area(const double x0[3], const double a[3], const double b[3],
+                                const double scale[3], const double normal[3]) {
+  double u[3], v[3], w[3];
+  for (int i = 0; i < 3; i++) u[i] = (a[i] - x0[i]) * scale[i], v[i] = (b[i] - x0[i]) * scale[i];
+  lth_v3_cross(u, v, w);
+  return lth_v3_dot(w, normal);
+}
+
+/// sums(alpha) = int_f xi^alpha over a face with the density d of each triangle of its fan (twice its area,
+/// or six times the volume below it), by eq. (4).
+static inline void face_sums(int n, const double center[3], const double scale[3],
+                             const LthFaceView *face, bool volume, double *restrict sums) {
   double inv_scale[3] = {1 / scale[0], 1 / scale[1], 1 / scale[2]};
   LitheIndex base = face->loop_point[face->loop_off[0]];
-  double x0[3], flux[N3] = {0}; // flux: sum over edges, then int_f xi^alpha (xi . n) dA
+  double x0[3];
+  memset(sums, 0, (size_t)n * sizeof *sums);
   to_local3(face->points + 3 * base, center, inv_scale, x0);
 
-  // edges that do not touch the base point
+  // edges; those that touch the base point have no triangle
   for (LitheIndex l = 0; l < face->n_loops; l++) {
     LitheIndex begin = face->loop_off[l], end = face->loop_off[l + 1];
     if (begin == end) continue;
@@ -132,24 +149,39 @@ void lth_moments_add_face(int p, const double center[3], const double scale[3],
     for (LitheIndex k = begin; k < end; k++) {
       LitheIndex next = face->loop_point[k];
       to_local3(face->points + 3 * next, center, inv_scale, b);
-      if (last != base && next != base) add_edge3(n, a, b, triple(x0, a, b), flux);
+      if (last != base && next != base)
+        add_edge3(n, a, b, volume ? triple(x0, a, b) : twice_area(x0, a, b, scale, face->normal),
+                  sums);
       lth_v3_copy(b, a);
       last = next;
     }
   }
-
-  // face, eq. (4), and its share of the cell, eq. (3)
-  double volume = sign * scale[0] * scale[1] * scale[2];
-  flux[0] *= 0.5;
-  moments[0] += volume * flux[0] / 3;
+  sums[0] *= 0.5;
   for (int q = 1; q < n; q++) {
     const Step *s = &steps3[q];
-    flux[q] =
-        (flux[q] + s->weight[0] * x0[0] * flux[s->lower[0]] +
-         s->weight[1] * x0[1] * flux[s->lower[1]] + s->weight[2] * x0[2] * flux[s->lower[2]]) *
+    sums[q] =
+        (sums[q] + s->weight[0] * x0[0] * sums[s->lower[0]] +
+         s->weight[1] * x0[1] * sums[s->lower[1]] + s->weight[2] * x0[2] * sums[s->lower[2]]) *
         s->inv[1];
-    moments[q] += volume * flux[q] * s->inv[2];
   }
+}
+
+void lth_moments_add_face(int p, const double center[3], const double scale[3],
+                          const LthFaceView *face, double sign, double *moments) {
+  LITHE_ASSERT(p >= 0 && p <= MAX_P);
+  int n = lth_monomials3(p);
+  double flux[N3], factor = sign * scale[0] * scale[1] * scale[2];
+  face_sums(n, center, scale, face, true, flux);
+  for (int q = 0; q < n; q++) moments[q] += factor * flux[q] * steps3[q].inv[2]; // eq. (3)
+}
+
+void lth_moments_add_face_area(int p, const double center[3], const double scale[3],
+                               const LthFaceView *face, double *moments) {
+  LITHE_ASSERT(p >= 0 && p <= MAX_P);
+  int n = lth_monomials3(p);
+  double sums[N3];
+  face_sums(n, center, scale, face, false, sums);
+  for (int q = 0; q < n; q++) moments[q] += sums[q];
 }
 
 void lth_face_frame(const double normal[3], double t1[3], double t2[3]) {

@@ -20,13 +20,16 @@ const int (*lth_monomial2_exponents(void))[2];
 int lth_monomial3_index(int a, int b, int c);
 int lth_monomial2_index(int a, int b);
 
+/// Values of the monomials at xi in that order (lth_monomials3(p)).
+void lth_monomials3_eval(int p, const double xi[3], double *values);
+
 /// A planar face as loops of points: outer loops counter-clockwise about `normal`, holes clockwise.
 typedef struct LthFaceView {
-  const double *points;           ///< (any x 3)
-  const LitheIndex *loop_off;     ///< (n_loops + 1) starts in loop_point
+  const double *points;       ///< (any x 3)
+  const LitheIndex *loop_off; ///< (n_loops + 1) starts in loop_point
   const LitheIndex *loop_point;
   LitheIndex n_loops;
-  const double *normal;           ///< unit
+  const double *normal; ///< unit
 } LthFaceView;
 
 /// Add to `moments` (lth_monomials3(p)) the contribution sign * this face to the moments
@@ -35,6 +38,10 @@ typedef struct LthFaceView {
 void lth_moments_add_face(int p, const double center[3], const double scale[3],
                           const LthFaceView *face, double sign, double *moments);
 
+/// Add the moments int_f xi^alpha dA of a face in the same coordinates, [m^2] (lth_monomials3(p)).
+void lth_moments_add_face_area(int p, const double center[3], const double scale[3],
+                               const LthFaceView *face, double *moments);
+
 /// Orthonormal frame of a face: t1, t2 with t1 x t2 = normal.
 void lth_face_frame(const double normal[3], double t1[3], double t2[3]);
 
@@ -42,5 +49,5 @@ void lth_face_frame(const double normal[3], double t1[3], double t2[3]);
 double lth_face_area_centroid(const LthFaceView *face, double centroid[3]);
 
 /// Moments int_f s^i t^j dA (lth_monomials2(p), [m^2]), x = origin + h (s t1 + t t2).
-void lth_face_moments(int p, const double origin[3], const double t1[3], const double t2[3], double h,
-                      const LthFaceView *face, double *moments);
+void lth_face_moments(int p, const double origin[3], const double t1[3], const double t2[3],
+                      double h, const LthFaceView *face, double *moments);

@@ -11,9 +11,9 @@
 /// span the linear functions. An unknown vector holds, for function i of cell K and component a,
 /// x[3 * (func_off[K] + i) + a] [m]: position coefficients (x), displacement (u) or velocity (v).
 typedef struct LthDgSpace {
-  const LthMesh *mesh;    ///< borrowed for life
+  const LthMesh *mesh; ///< borrowed for life
   LitheIndex n_cells, n_funcs;
-  LitheCount n_dofs;      ///< 3 n_funcs
+  LitheCount n_dofs; ///< 3 n_funcs
   int max_degree;
   uint8_t *degree;        ///< (n_cells)
   LitheIndex *func_off;   ///< (n_cells + 1)
@@ -21,6 +21,7 @@ typedef struct LthDgSpace {
   double *scale;          ///< half edges of the bounding box [m]        (n_cells x 3)
   LitheCount *basis_off;  ///< start of the nb x nb lower-triangular rows (n_cells + 1)
   double *basis;          ///< row-major full squares
+  double *mean_gradient;  ///< mean of grad phi_i over the cell [1/m]    (n_funcs x 3)
   double *trace_constant; ///< C_K [1/m]: int_dK p^2 <= C_K int_K p^2, p of degree k - 1 (n_cells)
 } LthDgSpace;
 
@@ -38,7 +39,8 @@ static inline int lth_dg_funcs(const LthDgSpace *s, LitheIndex cell) {
 void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], double *phi);
 
 /// Gradients (nb x 3) [1/m].
-void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double x[3], double *dphi);
+void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double x[3],
+                          double *dphi);
 
 /// Coefficients of the map x -> x (the rest positions X0): four per cell, others zero. (n_dofs)
 void lth_dg_rest(const LthDgSpace *space, double *x0);
@@ -56,7 +58,8 @@ void lth_dg_mean_gradient(const LthDgSpace *space, LitheIndex cell, const double
                           double gradient[9]);
 
 /// L2 projection of a field onto the space: sets coef (n_dofs). Exact for polynomials of the degree;
-/// quadrature over signed tetrahedra of degree `quad_degree` for callbacks.
+/// quadrature over signed tetrahedra of degree `quad_degree` (at least twice the cell's) otherwise.
+/// `field` must be safe to call from many threads.
 LitheStatus lth_dg_project(LitheCtx *ctx, const LthDgSpace *space,
                            void (*field)(const void *self, const double x[3], double value[3]),
                            const void *self, int quad_degree, double *coef);

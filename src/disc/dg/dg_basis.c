@@ -1,0 +1,223 @@
+/// The orthogonal basis of one cell: Cholesky of the mass matrix of scaled monomials.
+///
+/// The mass matrix M of centred, bbox-scaled monomials comes from exact moments; B = L^{-1}, M = L L^T
+/// gives an orthogonal basis up to rounding times cond(M). Where a cell is flat in a direction that is not
+/// an axis, cond(M) is large. Then B is corrected once or twice with the Gram matrix of its *values* at
+/// quadrature points, in which the large numbers of B have already cancelled (as Cholesky QR is repeated;
+/// Fukaya et al. 2020, Shifted Cholesky QR).
+#include "disc/dg/dg_basis.h"
+
+#include "base/eigen.h"
+#include "base/tensor.h"
+
+#include <float.h>
+
+enum { MAX_FUNCS = LTH_DG_MAX_FUNCS, MAX_PASSES = 5, MAX_MOMENTS = 165 };
+
+/// A pivot below this part of its diagonal has cost three digits: look at values.
+static const double weak_pivot = 1e-3;
+
+/// B = L^{-1} of S = L L^T (n x n, row-major, lower half read); returns the smallest ratio of pivot to
+/// diagonal, not positive where the factorisation does not exist.
+static double inverse_cholesky(int n, const double *S, double *B) {
+  double L[MAX_FUNCS * MAX_FUNCS], worst = 1;
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) {
+      double sum = S[i * n + j];
+      for (int k = 0; k < j; k++) sum -= L[i * n + k] * L[j * n + k];
+      if (j < i) {
+        L[i * n + j] = sum / L[j * n + j];
+        continue;
+      }
+      double ratio = sum / S[i * n + i];
+      if (!(ratio > 0 && S[i * n + i] > 0)) return 0;
+      if (ratio < worst) worst = ratio;
+      L[i * n + i] = sqrt(sum);
+    }
+  memset(B, 0, sizeof(double) * (size_t)(n * n));
+  for (int i = 0; i < n; i++) {
+    B[i * n + i] = 1 / L[i * n + i];
+    for (int j = 0; j < i; j++) {
+      double sum = 0;
+      for (int k = j; k < i; k++) sum += L[i * n + k] * B[k * n + j];
+      B[i * n + j] = -sum / L[i * n + i];
+    }
+  }
+  return worst;
+}
+
+/// As inverse_cholesky(), with the diagonal raised until the factorisation exists.
+static bool inverse_cholesky_shifted(int n, double *S, double *B, bool *raised) {
+  double trace = 0;
+  for (int i = 0; i < n; i++) trace += S[i * n + i];
+  *raised = false;
+  for (double shift = 16 * n * DBL_EPSILON; shift < 1e-6; shift *= 64) {
+    double worst = inverse_cholesky(n, S, B);
+    if (worst > n * DBL_EPSILON) return true;
+    *raised = true;
+    for (int i = 1; i < n; i++) S[i * n + i] += shift * trace;
+  }
+  return false;
+}
+
+/// B = C B for lower-triangular C and B (n x n).
+static void multiply_lower(int n, const double *C, double *B) {
+  for (int i = n - 1; i >= 0; i--)
+    for (int j = 0; j <= i; j++) {
+      double sum = 0;
+      for (int k = j; k <= i; k++) sum += C[i * n + k] * B[k * n + j];
+      B[i * n + j] = sum;
+    }
+}
+
+/// S_qr = moment(q r) / norm for the first n monomials.
+static void product_matrix(int n, const double *moment, double norm, double *S) {
+  const int(*e)[3] = lth_monomial3_exponents();
+  for (int q = 0; q < n; q++)
+    for (int r = 0; r <= q; r++)
+      S[q * n + r] = S[r * n + q] =
+          moment[lth_monomial3_index(e[q][0] + e[r][0], e[q][1] + e[r][1], e[q][2] + e[r][2])] /
+          norm;
+}
+
+/// gram += w phi phi^T over the tetrahedron of the origin and three corners in scaled coordinates.
+static void add_gram_tetrahedron(int k, int n, const double *B, const LthSimplexRule *rule,
+                                 double corners[3][3], double sign, double *gram) {
+  double w[3], m[MAX_FUNCS], phi[MAX_FUNCS];
+  lth_v3_cross(corners[1], corners[2], w);
+  double volume = sign * lth_v3_dot(corners[0], w) / 6;
+  for (int g = 0; g < lth_simplex_rule_points(rule); g++) {
+    double bary[4], xi[3] = {0}, weight = volume * lth_simplex_rule_point(rule, g, bary);
+    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c + 1], corners[c], xi);
+    lth_monomials3_eval(k, xi, m);
+    for (int i = 0; i < n; i++) {
+      phi[i] = 0;
+      for (int q = 0; q <= i; q++) phi[i] += B[i * n + q] * m[q];
+      for (int j = 0; j <= i; j++) gram[i * n + j] += weight * phi[i] * phi[j];
+    }
+  }
+}
+
+/// Gram matrix of the functions B by quadrature over signed tetrahedra, normalised to gram_00 = 1.
+static void gram_by_values(const LthDgSpace *s, LitheIndex cell, int k, int n, const double *B,
+                           const LthSimplexRule *rule, double *gram) {
+  const LthMesh *mesh = s->mesh;
+  memset(gram, 0, sizeof(double) * (size_t)(n * n));
+  for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
+    LitheIndex f = mesh->cell_face[c];
+    LthFaceView face = lth_mesh_face(mesh, f);
+    LitheIndex base = face.loop_point[face.loop_off[0]];
+    for (LitheIndex l = 0; l < face.n_loops; l++)
+      for (LitheIndex j = face.loop_off[l]; j < face.loop_off[l + 1]; j++) {
+        LitheIndex next = j + 1 < face.loop_off[l + 1] ? j + 1 : face.loop_off[l];
+        LitheIndex corner[3] = {base, face.loop_point[j], face.loop_point[next]};
+        if (corner[1] == base || corner[2] == base) continue;
+        double xi[3][3];
+        for (int a = 0; a < 3; a++)
+          for (int i = 0; i < 3; i++)
+            xi[a][i] =
+                (face.points[3 * corner[a] + i] - s->center[3 * cell + i]) / s->scale[3 * cell + i];
+        add_gram_tetrahedron(k, n, B, rule, xi, lth_mesh_side(mesh, f, cell), gram);
+      }
+  }
+  double norm = gram[0];
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) gram[i * n + j] /= norm;
+}
+
+static double distance_from_identity(int n, const double *G) {
+  double worst = 0;
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) worst = fmax(worst, fabs(G[i * n + j] - (i == j)));
+  return worst;
+}
+
+/// B such that the functions are orthogonal; false where that fails.
+static bool orthogonalise(const LthDgSpace *s, LitheIndex cell, int k, const double *moment,
+                          const LthSimplexRule *rule, double *B) {
+  int n = lth_monomials3(k);
+  double S[MAX_FUNCS * MAX_FUNCS], C[MAX_FUNCS * MAX_FUNCS];
+  bool raised = false;
+  product_matrix(n, moment, moment[0], S);
+  if (inverse_cholesky(n, S, B) > weak_pivot) return true;
+  if (!inverse_cholesky_shifted(n, S, B, &raised)) return false;
+  double error = 1;
+  for (int pass = 0; pass < MAX_PASSES; pass++) {
+    gram_by_values(s, cell, k, n, B, rule, S);
+    double last = error;
+    error = distance_from_identity(n, S);
+    if (error <= 16 * n * DBL_EPSILON || (pass > 0 && !raised && error >= 0.25 * last)) break;
+    if (!inverse_cholesky_shifted(n, S, C, &raised)) return false;
+    multiply_lower(n, C, B);
+  }
+  B[0] = 1;
+  return error < 1e-6;
+}
+
+/// mean grad_a phi_i = sum_q B_iq alpha_a moment(alpha - 1_a) / (|K| scale_a)
+static void set_mean_gradient(LthDgSpace *s, LitheIndex cell, int n, const double *moment,
+                              const double *B) {
+  const int(*e)[3] = lth_monomial3_exponents();
+  double derivative[MAX_FUNCS][3];
+  for (int q = 0; q < n; q++)
+    for (int a = 0; a < 3; a++) {
+      int low[3] = {e[q][0], e[q][1], e[q][2]};
+      derivative[q][a] = 0;
+      if (low[a]-- > 0)
+        derivative[q][a] = e[q][a] * moment[lth_monomial3_index(low[0], low[1], low[2])] /
+                           (moment[0] * s->scale[3 * cell + a]);
+    }
+  double *mean = s->mean_gradient + 3 * (LitheCount)s->func_off[cell];
+  for (int i = 0; i < n; i++)
+    for (int a = 0; a < 3; a++) {
+      mean[3 * i + a] = 0;
+      for (int q = 0; q <= i; q++) mean[3 * i + a] += B[i * n + q] * derivative[q][a];
+    }
+}
+
+/// Largest eigenvalue of the boundary's mass matrix over the functions of degree k - 1, which are
+/// orthonormal up to |K|.
+static double trace_constant(const LthDgSpace *s, LitheIndex cell, int k, int n, double volume,
+                             const double *B) {
+  const LthMesh *mesh = s->mesh;
+  double boundary[MAX_MOMENTS] = {0};
+  for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
+    LthFaceView face = lth_mesh_face(mesh, mesh->cell_face[c]);
+    lth_moments_add_face_area(2 * (k - 1), s->center + 3 * cell, s->scale + 3 * cell, &face,
+                              boundary);
+  }
+  int m = lth_monomials3(k - 1);
+  if (m == 1) return boundary[0] / volume;
+  double S[20 * 20], BS[20 * 20], A[20 * 20], values[20];
+  product_matrix(m, boundary, volume, S);
+  for (int i = 0; i < m; i++)
+    for (int r = 0; r < m; r++) {
+      BS[i * m + r] = 0;
+      for (int q = 0; q <= i; q++) BS[i * m + r] += B[i * n + q] * S[q * m + r];
+    }
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j <= i; j++) {
+      double sum = 0;
+      for (int r = 0; r <= j; r++) sum += BS[i * m + r] * B[j * n + r];
+      A[i * m + j] = A[j * m + i] = sum;
+    }
+  lth_symmetric_eigen(m, A, values, NULL);
+  return values[m - 1];
+}
+
+bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell, const LthSimplexRule *rules) {
+  const LthMesh *mesh = space->mesh;
+  int k = space->degree[cell], n = lth_monomials3(k);
+  double moment[MAX_MOMENTS] = {0};
+  double *B = space->basis + space->basis_off[cell];
+  for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
+    LitheIndex f = mesh->cell_face[c];
+    LthFaceView face = lth_mesh_face(mesh, f);
+    lth_moments_add_face(2 * k, space->center + 3 * cell, space->scale + 3 * cell, &face,
+                         lth_mesh_side(mesh, f, cell), moment);
+  }
+  if (!(moment[0] > 0) || !orthogonalise(space, cell, k, moment, &rules[k], B)) return false;
+  set_mean_gradient(space, cell, n, moment, B);
+  space->trace_constant[cell] = trace_constant(space, cell, k, n, moment[0], B);
+  return true;
+}

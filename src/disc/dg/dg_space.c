@@ -1,0 +1,195 @@
+/// The space of discontinuous polynomials: building it, and values and gradients of its functions.
+#include "disc/dg/dg_space.h"
+
+#include "base/tensor.h"
+#include "disc/dg/dg_basis.h"
+
+void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space) {
+  if (!*space) return;
+  LthDgSpace *s = *space;
+  lth_free(ctx, s->degree);
+  lth_free(ctx, s->func_off);
+  lth_free(ctx, s->center);
+  lth_free(ctx, s->scale);
+  lth_free(ctx, s->basis_off);
+  lth_free(ctx, s->basis);
+  lth_free(ctx, s->mean_gradient);
+  lth_free(ctx, s->trace_constant);
+  lth_free(ctx, s);
+  *space = NULL;
+}
+
+/// Degrees, numbering and memory.
+static LitheStatus lay_out(LitheCtx *ctx, LthDgSpace *s, int degree, const uint8_t *cell_degree) {
+  LitheIndex n = s->n_cells;
+  LTH_NEW(ctx, s->degree, n);
+  LTH_NEW(ctx, s->func_off, n + 1);
+  LTH_NEW(ctx, s->basis_off, n + 1);
+  LTH_NEW(ctx, s->center, 3 * (LitheCount)n);
+  LTH_NEW(ctx, s->scale, 3 * (LitheCount)n);
+  LTH_NEW(ctx, s->trace_constant, n);
+  LitheCount funcs = 0;
+  for (LitheIndex c = 0; c < n; c++) {
+    int k = cell_degree ? cell_degree[c] : degree;
+    if (k < 1 || k > LTH_DG_MAX_DEGREE)
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT, "degree %d of element %d; expected 1 to %d", k, (int)c,
+                 LTH_DG_MAX_DEGREE);
+    int nb = lth_monomials3(k);
+    s->degree[c] = (uint8_t)k;
+    if (k > s->max_degree) s->max_degree = k;
+    funcs += nb;
+    if (funcs > INT32_MAX / 3)
+      LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
+                 "%d elements of degree %d have more than 2^31 unknowns; take fewer cells or a "
+                 "lower degree",
+                 (int)n, k);
+    s->func_off[c + 1] = (LitheIndex)funcs;
+    s->basis_off[c + 1] = s->basis_off[c] + nb * nb;
+  }
+  s->n_funcs = (LitheIndex)funcs;
+  s->n_dofs = 3 * funcs;
+  LTH_NEW(ctx, s->basis, s->basis_off[n]);
+  LTH_NEW(ctx, s->mean_gradient, 3 * funcs);
+  return LITHE_OK;
+}
+
+static LitheStatus fail_flat(LitheCtx *ctx, const LthMesh *mesh, LitheIndex c) {
+  const double *x = mesh->cell_centroid + 3 * c;
+  LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+             "element %d near (%g, %g, %g) is too flat for a basis: volume %g; merge slivers "
+             "(method.sliver > "
+             "0) or move the grid",
+             (int)c, x[0], x[1], x[2], mesh->cell_volume[c]);
+}
+
+/// Bases of all cells; remembers the first cell that has none.
+static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s) {
+  const LthMesh *mesh = s->mesh;
+  LthSimplexRule rules[LTH_DG_MAX_DEGREE + 1];
+  for (int k = 0; k <= LTH_DG_MAX_DEGREE; k++)
+    LITHE_TRY(lth_simplex_rule(ctx, 3, 2 * k, &rules[k]));
+  LitheIndex flat = s->n_cells;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(lth_threads(ctx)) reduction(min : flat)
+  for (LitheIndex c = 0; c < s->n_cells; c++) {
+    for (int i = 0; i < 3; i++) {
+      const double *box = mesh->cell_box + 6 * (LitheCount)c;
+      s->center[3 * c + i] = mesh->cell_centroid[3 * c + i];
+      s->scale[3 * c + i] = 0.5 * (box[3 + i] - box[i]);
+    }
+    const double *h = s->scale + 3 * c;
+    if (!(h[0] > 0 && h[1] > 0 && h[2] > 0) || !lth_dg_basis_build(s, c, rules))
+      flat = c < flat ? c : flat;
+  }
+  return flat < s->n_cells ? fail_flat(ctx, mesh, flat) : LITHE_OK;
+}
+
+LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
+                                const uint8_t *cell_degree, LthDgSpace **space) {
+  LitheStatus status = LITHE_OK;
+  LthDgSpace *s = NULL;
+  *space = NULL;
+  LTH_NEW_OR(done, ctx, s, 1);
+  s->mesh = mesh;
+  s->n_cells = mesh->n_cells;
+  LITHE_TRY_OR(done, lay_out(ctx, s, degree, cell_degree));
+  LITHE_TRY_OR(done, build_bases(ctx, s));
+  *space = s;
+  s = NULL;
+done:
+  if (s) lth_dg_space_destroy(ctx, &s);
+  return status;
+}
+
+static void to_cell(const LthDgSpace *s, LitheIndex cell, const double x[3], double xi[3]) {
+  for (int i = 0; i < 3; i++)
+    xi[i] = (x[i] - s->center[3 * (LitheCount)cell + i]) / s->scale[3 * (LitheCount)cell + i];
+}
+
+void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], double *phi) {
+  int nb = lth_dg_funcs(space, cell);
+  const double *B = space->basis + space->basis_off[cell];
+  double xi[3], m[LTH_DG_MAX_FUNCS];
+  to_cell(space, cell, x, xi);
+  lth_monomials3_eval(space->degree[cell], xi, m);
+  for (int i = 0; i < nb; i++) {
+    phi[i] = 0;
+    for (int q = 0; q <= i; q++) phi[i] += B[i * nb + q] * m[q];
+  }
+}
+
+void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double x[3],
+                          double *dphi) {
+  int nb = lth_dg_funcs(space, cell);
+  const double *B = space->basis + space->basis_off[cell];
+  const int(*e)[3] = lth_monomial3_exponents();
+  double xi[3], m[LTH_DG_MAX_FUNCS], dm[LTH_DG_MAX_FUNCS][3];
+  to_cell(space, cell, x, xi);
+  lth_monomials3_eval(space->degree[cell], xi, m);
+  for (int q = 0; q < nb; q++)
+    for (int a = 0; a < 3; a++) {
+      int low[3] = {e[q][0], e[q][1], e[q][2]};
+      dm[q][a] = 0;
+      if (low[a]-- > 0)
+        dm[q][a] = e[q][a] * m[lth_monomial3_index(low[0], low[1], low[2])] /
+                   space->scale[3 * (LitheCount)cell + a];
+    }
+  for (int i = 0; i < nb; i++)
+    for (int a = 0; a < 3; a++) {
+      dphi[3 * i + a] = 0;
+      for (int q = 0; q <= i; q++) dphi[3 * i + a] += B[i * nb + q] * dm[q][a];
+    }
+}
+
+/// x = center + scale m_1..3(xi), and m = B4^{-1} phi on the linear functions.
+static void rest_of_cell(const LthDgSpace *s, LitheIndex cell, double *x0) {
+  int nb = lth_dg_funcs(s, cell);
+  const double *B = s->basis + s->basis_off[cell];
+  const double *center = s->center + 3 * (LitheCount)cell, *scale = s->scale + 3 * (LitheCount)cell;
+  memset(x0, 0, 3 * (size_t)nb * sizeof *x0);
+  for (int a = 0; a < 3; a++) {
+    // solve c^T B4 = (center_a, scale_a on monomial 1 + a), last function first
+    double c[4] = {center[a], 0, 0, 0};
+    c[1 + a] = scale[a];
+    for (int i = 3; i >= 0; i--) {
+      c[i] /= B[i * nb + i];
+      for (int q = 0; q < i; q++) c[q] -= c[i] * B[i * nb + q];
+      x0[3 * i + a] = c[i];
+    }
+  }
+}
+
+void lth_dg_rest(const LthDgSpace *space, double *x0) {
+  for (LitheIndex c = 0; c < space->n_cells; c++)
+    rest_of_cell(space, c, x0 + 3 * (LitheCount)space->func_off[c]);
+}
+
+void lth_dg_sample(const LthDgSpace *space, LitheIndex cell, const double *coef, const double x[3],
+                   double value[3]) {
+  double phi[LTH_DG_MAX_FUNCS];
+  const double *c = coef + 3 * (LitheCount)space->func_off[cell];
+  lth_dg_eval(space, cell, x, phi);
+  value[0] = value[1] = value[2] = 0;
+  for (int i = 0; i < lth_dg_funcs(space, cell); i++) lth_v3_axpy(phi[i], c + 3 * i, value);
+}
+
+/// gradient[a][b] = sum_i coef_ia d_ib
+static void gradient_sum(int nb, const double *coef, const double *d, double gradient[9]) {
+  memset(gradient, 0, 9 * sizeof *gradient);
+  for (int i = 0; i < nb; i++)
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++) gradient[3 * a + b] += coef[3 * i + a] * d[3 * i + b];
+}
+
+void lth_dg_sample_gradient(const LthDgSpace *space, LitheIndex cell, const double *coef,
+                            const double x[3], double gradient[9]) {
+  double dphi[3 * LTH_DG_MAX_FUNCS];
+  lth_dg_eval_gradient(space, cell, x, dphi);
+  gradient_sum(lth_dg_funcs(space, cell), coef + 3 * (LitheCount)space->func_off[cell], dphi,
+               gradient);
+}
+
+void lth_dg_mean_gradient(const LthDgSpace *space, LitheIndex cell, const double *coef,
+                          double gradient[9]) {
+  LitheCount first = 3 * (LitheCount)space->func_off[cell];
+  gradient_sum(lth_dg_funcs(space, cell), coef + first, space->mean_gradient + first, gradient);
+}
