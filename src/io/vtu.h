@@ -6,27 +6,38 @@
 /// A cell or point array of a VTU file.
 typedef struct LthVtuArray {
   const char *name;
-  int components;       ///< 1, 3, 6 or 9
-  const double *data;   ///< (n x components)
+  int components; ///< 1, 3, 9, or 6: a symmetric tensor xx yy zz yz zx xy (VTK's order in the file)
+  const double *data; ///< (n x components)
 } LthVtuArray;
+
+/// Compressed cells and faces, the same for all files of a body whose mesh stands.
+typedef struct LthVtuTopology LthVtuTopology;
 
 /// A mesh with its points already deformed: points are given per cell corner, so that the jumps of a
 /// discontinuous field are visible. Faces with holes are written as simple polygons with bridges.
 typedef struct LthVtu {
   const LthMesh *mesh;
-  LitheIndex n_points;           ///< rows of points
-  const double *points;          ///< (n_points x 3), float in the file
-  const LitheCount *cell_point_off; ///< (n_cells + 1) points of a cell
+  LitheIndex n_points;               ///< rows of points
+  const double *points;              ///< (n_points x 3), float in the file
+  const LitheCount *cell_point_off;  ///< (n_cells + 1) points of a cell
   const LitheIndex *cell_mesh_point; ///< mesh point behind each row           (n_points)
   const LthVtuArray *point_arrays, *cell_arrays;
   int n_point_arrays, n_cell_arrays;
-  double time;
+  double time;                    ///< [s], the file's TimeValue
+  const LthVtuTopology *topology; ///< NULL: made for this file alone
 } LthVtu;
 
 /// Points of each cell: fills an LthVtu's cell_point_off and cell_mesh_point (caller frees).
 LitheStatus lth_vtu_cell_points(LitheCtx *ctx, const LthMesh *mesh, LitheCount **cell_point_off,
                                 LitheIndex **cell_mesh_point);
 
+/// Cells and faces of `vtu` (its mesh, n_points and point lists), to be put into it and into those that
+/// follow. Free it with lth_vtu_topology_destroy().
+LitheStatus lth_vtu_topology_create(LitheCtx *ctx, const LthVtu *vtu, LthVtuTopology **topology);
+void lth_vtu_topology_destroy(LitheCtx *ctx, LthVtuTopology **topology);
+
+/// Write one file: VTK_POLYHEDRON cells, points and arrays as Float32, zlib-compressed appended data.
+/// Atomic. LITHE_NO_SPACE: cannot write.
 LitheStatus lth_vtu_write(LitheCtx *ctx, const char *path, const LthVtu *vtu);
 
 /// Rewrite a PVD with n time steps: file names relative to it. Atomic, so it is valid at any moment.

@@ -1,0 +1,93 @@
+/// Tables as comma-separated text that is valid after every row: history.csv and probes.csv.
+#include "io/csv.h"
+
+#include "io/number_text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+struct LthCsv {
+  FILE *stream;
+  char *path;
+  int n;
+  long whole; ///< bytes up to the end of the last whole row
+};
+
+static LitheStatus fail_writing(LitheCtx *ctx, LthCsv *csv) {
+  int reason = errno;
+  bool is_whole = ftruncate(fileno(csv->stream), csv->whole) == 0;
+  LITHE_FAIL(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s%s", csv->path, strerror(reason),
+             is_whole ? "" : " (the last row may be torn)");
+}
+
+static LitheStatus end_row(LitheCtx *ctx, LthCsv *csv) {
+  fputc('\n', csv->stream);
+  if (fflush(csv->stream) != 0 || ferror(csv->stream)) return fail_writing(ctx, csv);
+  csv->whole = ftell(csv->stream);
+  return LITHE_OK;
+}
+
+static void put_name(FILE *stream, const char *name) {
+  if (!strpbrk(name, ",\"\r\n")) {
+    fputs(name, stream);
+    return;
+  }
+  fputc('"', stream);
+  for (; *name; name++) {
+    if (*name == '"') fputc('"', stream);
+    fputc(*name, stream);
+  }
+  fputc('"', stream);
+}
+
+LitheStatus lth_csv_open(LitheCtx *ctx, const char *path, int n, const char *const *names,
+                         LthCsv **csv) {
+  LitheStatus status = LITHE_OK;
+  LTH_NEW(ctx, *csv, 1);
+  LTH_NEW_OR(failed, ctx, (*csv)->path, (LitheCount)strlen(path) + 1);
+  strcpy((*csv)->path, path);
+  (*csv)->n = n;
+  (*csv)->stream = fopen(path, "wb");
+  if (!(*csv)->stream) {
+    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+    goto failed;
+  }
+  for (int i = 0; i < n; i++) {
+    if (i > 0) fputc(',', (*csv)->stream);
+    put_name((*csv)->stream, names[i]);
+  }
+  LITHE_TRY_OR(failed, end_row(ctx, *csv));
+  return LITHE_OK;
+
+failed:
+  if ((*csv)->stream) fclose((*csv)->stream);
+  lth_free(ctx, (*csv)->path);
+  lth_free(ctx, *csv);
+  *csv = NULL;
+  return status;
+}
+
+LitheStatus lth_csv_row(LitheCtx *ctx, LthCsv *csv, const double *values) {
+  for (int i = 0; i < csv->n; i++) {
+    char text[LTH_NUMBER_TEXT_MAX];
+    if (i > 0) fputc(',', csv->stream);
+    if (isfinite(values[i])) fputs(lth_number_text(values[i], text), csv->stream);
+  }
+  return end_row(ctx, csv);
+}
+
+LitheStatus lth_csv_close(LitheCtx *ctx, LthCsv **csv) {
+  if (!*csv) return LITHE_OK;
+  bool is_closed = fclose((*csv)->stream) == 0;
+  LitheStatus status = LITHE_OK;
+  if (!is_closed)
+    status =
+        lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", (*csv)->path, strerror(errno));
+  lth_free(ctx, (*csv)->path);
+  lth_free(ctx, *csv);
+  *csv = NULL;
+  return status;
+}

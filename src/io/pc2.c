@@ -1,0 +1,115 @@
+/// PC2 point caches, as Blender's Mesh Cache modifier reads them.
+///
+/// Layout, little endian: "POINTCACHE2\0", int32 version 1, int32 points, float32 start, float32 sample
+/// rate, int32 samples; then float32 x y z of every point, sample after sample. Start is 0 and the rate is
+/// the time between samples in seconds; in the modifier's frame mode one sample is one frame.
+#include "io/pc2.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#define HEADER_BYTES 32
+#define SAMPLES_AT 28
+#define BATCH_POINTS 4096
+
+struct LthPc2 {
+  FILE *stream;
+  char *path;
+  LitheIndex n_points;
+  int32_t n_samples;
+};
+
+static void put_u32(unsigned char *at, uint32_t value) {
+  for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> (8 * i));
+}
+
+static void put_f32(unsigned char *at, float value) {
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  put_u32(at, bits);
+}
+
+static off_t frame_end(const LthPc2 *pc2, int32_t samples) {
+  return HEADER_BYTES + (off_t)12 * pc2->n_points * samples;
+}
+
+/// Take back a torn frame: the header still counts the whole ones only.
+static LitheStatus fail_writing(LitheCtx *ctx, LthPc2 *pc2) {
+  int reason = errno;
+  bool is_whole = ftruncate(fileno(pc2->stream), frame_end(pc2, pc2->n_samples)) == 0;
+  LITHE_FAIL(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s%s", pc2->path, strerror(reason),
+             is_whole ? "" : " (bytes after the last whole frame remain)");
+}
+
+static void release(LitheCtx *ctx, LthPc2 **pc2) {
+  lth_free(ctx, (*pc2)->path);
+  lth_free(ctx, *pc2);
+  *pc2 = NULL;
+}
+
+LitheStatus lth_pc2_open(LitheCtx *ctx, const char *path, LitheIndex n_points, double dt,
+                         LthPc2 **pc2) {
+  LitheStatus status = LITHE_OK;
+  unsigned char header[HEADER_BYTES] = "POINTCACHE2";
+  put_u32(header + 12, 1);
+  put_u32(header + 16, (uint32_t)n_points);
+  put_f32(header + 20, 0);
+  put_f32(header + 24, (float)dt);
+  put_u32(header + SAMPLES_AT, 0);
+
+  LTH_NEW(ctx, *pc2, 1);
+  LTH_NEW_OR(failed, ctx, (*pc2)->path, (LitheCount)strlen(path) + 1);
+  strcpy((*pc2)->path, path);
+  (*pc2)->n_points = n_points;
+  (*pc2)->stream = fopen(path, "wb");
+  if (!(*pc2)->stream || fwrite(header, 1, HEADER_BYTES, (*pc2)->stream) != HEADER_BYTES ||
+      fflush((*pc2)->stream) != 0) {
+    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+    goto failed;
+  }
+  return LITHE_OK;
+
+failed:
+  if ((*pc2)->stream) fclose((*pc2)->stream);
+  release(ctx, pc2);
+  return status;
+}
+
+static bool put_points(LthPc2 *pc2, const double *points) {
+  unsigned char batch[12 * BATCH_POINTS];
+  for (LitheIndex begin = 0; begin < pc2->n_points; begin += BATCH_POINTS) {
+    LitheIndex n = pc2->n_points - begin < BATCH_POINTS ? pc2->n_points - begin : BATCH_POINTS;
+    for (LitheIndex i = 0; i < 3 * n; i++)
+      put_f32(batch + 4 * i, (float)points[3 * (LitheCount)begin + i]);
+    if (fwrite(batch, 12, (size_t)n, pc2->stream) != (size_t)n) return false;
+  }
+  return fflush(pc2->stream) == 0;
+}
+
+static bool put_count(LthPc2 *pc2, int32_t n_samples) {
+  unsigned char bytes[4];
+  put_u32(bytes, (uint32_t)n_samples);
+  return fseeko(pc2->stream, SAMPLES_AT, SEEK_SET) == 0 && fwrite(bytes, 1, 4, pc2->stream) == 4 &&
+         fflush(pc2->stream) == 0;
+}
+
+LitheStatus lth_pc2_append(LitheCtx *ctx, LthPc2 *pc2, const double *points) {
+  // the points first, the count after them: at any moment the header tells whole frames only
+  if (fseeko(pc2->stream, frame_end(pc2, pc2->n_samples), SEEK_SET) != 0 ||
+      !put_points(pc2, points) || !put_count(pc2, pc2->n_samples + 1))
+    return fail_writing(ctx, pc2);
+  pc2->n_samples++;
+  return LITHE_OK;
+}
+
+LitheStatus lth_pc2_close(LitheCtx *ctx, LthPc2 **pc2) {
+  if (!*pc2) return LITHE_OK;
+  LitheStatus status = LITHE_OK;
+  if (fclose((*pc2)->stream) != 0)
+    status =
+        lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", (*pc2)->path, strerror(errno));
+  release(ctx, pc2);
+  return status;
+}
