@@ -5,41 +5,76 @@
 #include "disc/dg/dg_space.h"
 
 typedef enum LthInterpolation { LTH_EMBED_MLS, LTH_EMBED_STITCHED } LthInterpolation;
-typedef enum LthSamples { LTH_SAMPLE_NODES, LTH_SAMPLE_EDGES, LTH_SAMPLE_FACES, LTH_SAMPLE_CELLS } LthSamples;
+typedef enum LthSamples {
+  LTH_SAMPLE_NODES, ///< mesh points on two or three grid planes
+  LTH_SAMPLE_EDGES, ///< and middles of the edges between them
+  LTH_SAMPLE_FACES, ///< and centroids of inner faces
+  LTH_SAMPLE_CELLS  ///< and centroids of elements
+} LthSamples;
 
-/// displacement(v) = sum over e in [off[v], off[v + 1]) of weight[e] * u[func[e]]  (eq. 32, W_a)
+/// displacement(v) = sum over e in [off[v], off[v + 1]) of weight[e] * s(sample[e]), where
+/// s(i) = sum over e in [sample_off[i], sample_off[i + 1]) of sample_weight[e] * u[sample_func[e]]
+/// is the average (eq. 30) of the elements around sample i. The product of the two is W of eq. 32; kept
+/// apart they take a tenth of its memory and time. Immutable, but for the scratch of lth_embedding_apply().
 typedef struct LthEmbedding {
-  LitheIndex n_points;
-  double *rest;       ///< rest positions [m]                     (n_points x 3)
-  LitheCount *off;    ///< (n_points + 1)
-  LitheIndex *func;   ///< basis function of the space, ascending per point
-  double *weight;     ///< [-]
-  LitheIndex *cell;   ///< cell that holds (or is nearest to) the point (n_points)
-  double *area;       ///< share of the surface's area of each point [m^2], or NULL (n_points)
+  const LthDgSpace *space; ///< borrowed for life
+  LitheIndex n_points, n_samples;
+  double *rest;                ///< rest positions [m]                     (n_points x 3)
+  LitheCount *off;             ///< (n_points + 1)
+  LitheIndex *sample;          ///< ascending per point
+  double *weight;              ///< [-]
+  double *sample_point;        ///< [m]                                    (n_samples x 3)
+  LitheCount *sample_off;      ///< (n_samples + 1)
+  LitheIndex *sample_func;     ///< basis functions of the space, ascending per sample
+  double *sample_weight;       ///< [-]
+  LitheCount *sample_cell_off; ///< (n_samples + 1)
+  LitheIndex *sample_cell;     ///< cells a sample averages, ascending
+  LitheIndex *cell;            ///< cell that holds (or is nearest to) the point (n_points)
+  double *area;         ///< share of the surface's area of each point [m^2], or NULL (n_points)
+  double *sample_value; ///< scratch of lth_embedding_apply()       (n_samples x 4)
+  LitheIndex n_own;     ///< points that follow their element's own polynomial for want of samples
 } LthEmbedding;
 
 /// Embed points (n x 3) [m]. `point_cell` (n) gives the cell of a point where known, -1 or NULL: it is
 /// searched (the nearest cell if none contains the point). Weights reproduce linear fields to rounding;
-/// no point is left without support. Nodes act only on cells connected to theirs through faces.
+/// no point is left without support. Samples act only on cells connected to theirs through faces.
 LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
                                  const double *points, const LitheIndex *point_cell,
                                  LthInterpolation interpolation, LthSamples samples,
                                  LthEmbedding **embedding);
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
+/// Give every point a third of the rest area of each triangle (n_tris x 3 points) around it: what contact
+/// multiplies its stiffness by.
+LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_tris,
+                                   const LitheIndex *tris);
+
 /// Deformed positions (n_points x 3) = rest + W (x - X0); all cores, same bits for any number.
-/// `u` is x - X0 as coefficients.
+/// `u` is x - X0 as coefficients. One call at a time on an embedding.
 void lth_embedding_apply(const LthEmbedding *e, int threads, const double *u, double *positions);
+
+/// Averages of a field (coefficients) at the samples, rows of four: x, y, z, 0.  (n_samples x 4)
+void lth_embedding_sample(const LthEmbedding *e, int threads, const double *coef, double *values);
+
+/// Value at a point from the averages of lth_embedding_sample().
+void lth_embedding_from_samples(const LthEmbedding *e, LitheIndex point, const double *values,
+                                double value[3]);
 
 /// Value W u of one point (displacement or velocity).
 void lth_embedding_point(const LthEmbedding *e, LitheIndex point, const double *u, double value[3]);
 
 /// f += W^T force of one point.
-void lth_embedding_add_force(const LthEmbedding *e, LitheIndex point, const double force[3], double *f);
+void lth_embedding_add_force(const LthEmbedding *e, LitheIndex point, const double force[3],
+                             double *f);
 
-/// The cell that contains a point, or the nearest one; `inside` may be NULL.
+/// W of one point, as in eq. 32: weights (n_funcs of the space), zero where the point does not reach.
+void lth_embedding_weights(const LthEmbedding *e, LitheIndex point, double *weights);
+
+/// The cell that contains a point, or the nearest one; `inside` may be NULL. Looks at every cell: for
+/// many points make an LthCellSearch.
 LitheStatus lth_find_cell(LitheCtx *ctx, const LthMesh *mesh, const double x[3], LitheIndex *cell,
                           bool *inside);
 
-/// Cell of each surface point of a sliced mesh (n_surface_points), from the boundary faces around it.
+/// Cell of each surface point of a sliced mesh (n_surface_points), from the boundary faces around it;
+/// the lowest of several, -1 where no face has the point.
 LitheStatus lth_surface_point_cells(LitheCtx *ctx, const LthMesh *mesh, LitheIndex *cells);

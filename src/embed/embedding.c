@@ -1,0 +1,112 @@
+/// Embedding: rows of weights for all points, and what is done with them at run time.
+#include "embed/embedding.h"
+
+#include "base/tensor.h"
+
+static void add_row(const double *values, const double *weight, const LitheIndex *sample,
+                    LitheCount n, double sum[3]) {
+  double x = 0, y = 0, z = 0;
+  for (LitheCount e = 0; e < n; e++) {
+    const double *v = values + 4 * (size_t)sample[e];
+    x += weight[e] * v[0];
+    y += weight[e] * v[1];
+    z += weight[e] * v[2];
+  }
+  sum[0] += x, sum[1] += y, sum[2] += z;
+}
+
+void lth_embedding_sample(const LthEmbedding *e, int threads, const double *coef, double *values) {
+#pragma omp parallel for schedule(static) num_threads(threads) if (e->n_samples > 2000)
+  for (LitheIndex i = 0; i < e->n_samples; i++) {
+    double x = 0, y = 0, z = 0;
+    for (LitheCount k = e->sample_off[i]; k < e->sample_off[i + 1]; k++) {
+      const double *u = coef + 3 * (size_t)e->sample_func[k];
+      x += e->sample_weight[k] * u[0];
+      y += e->sample_weight[k] * u[1];
+      z += e->sample_weight[k] * u[2];
+    }
+    double *v = values + 4 * (size_t)i;
+    v[0] = x, v[1] = y, v[2] = z, v[3] = 0;
+  }
+}
+
+void lth_embedding_from_samples(const LthEmbedding *e, LitheIndex p, const double *values,
+                                double value[3]) {
+  value[0] = value[1] = value[2] = 0;
+  add_row(values, e->weight + e->off[p], e->sample + e->off[p], e->off[p + 1] - e->off[p], value);
+}
+
+void lth_embedding_apply(const LthEmbedding *e, int threads, const double *u, double *positions) {
+  lth_embedding_sample(e, threads, u, e->sample_value);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex p = 0; p < e->n_points; p++) {
+    double *x = positions + 3 * (size_t)p;
+    lth_v3_copy(e->rest + 3 * (size_t)p, x);
+    add_row(e->sample_value, e->weight + e->off[p], e->sample + e->off[p],
+            e->off[p + 1] - e->off[p], x);
+  }
+}
+
+void lth_embedding_point(const LthEmbedding *e, LitheIndex p, const double *u, double value[3]) {
+  value[0] = value[1] = value[2] = 0;
+  for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
+    LitheIndex s = e->sample[i];
+    double sum[3] = {0, 0, 0};
+    for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
+      lth_v3_axpy(e->sample_weight[k], u + 3 * (size_t)e->sample_func[k], sum);
+    lth_v3_axpy(e->weight[i], sum, value);
+  }
+}
+
+void lth_embedding_add_force(const LthEmbedding *e, LitheIndex p, const double force[3],
+                             double *f) {
+  for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
+    LitheIndex s = e->sample[i];
+    for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
+      lth_v3_axpy(e->weight[i] * e->sample_weight[k], force, f + 3 * (size_t)e->sample_func[k]);
+  }
+}
+
+void lth_embedding_weights(const LthEmbedding *e, LitheIndex p, double *weights) {
+  memset(weights, 0, sizeof *weights * (size_t)e->space->n_funcs);
+  for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
+    LitheIndex s = e->sample[i];
+    for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
+      weights[e->sample_func[k]] += e->weight[i] * e->sample_weight[k];
+  }
+}
+
+LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_tris,
+                                   const LitheIndex *tris) {
+  if (!e->area) LTH_NEW(ctx, e->area, e->n_points);
+  memset(e->area, 0, sizeof *e->area * (size_t)e->n_points);
+  for (LitheIndex t = 0; t < n_tris; t++) {
+    const LitheIndex *p = tris + 3 * (size_t)t;
+    double a[3], b[3], n[3];
+    lth_v3_sub(e->rest + 3 * (size_t)p[1], e->rest + 3 * (size_t)p[0], a);
+    lth_v3_sub(e->rest + 3 * (size_t)p[2], e->rest + 3 * (size_t)p[0], b);
+    lth_v3_cross(a, b, n);
+    for (int k = 0; k < 3; k++) e->area[p[k]] += lth_v3_norm(n) / 6;
+  }
+  return LITHE_OK;
+}
+
+void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding) {
+  if (!embedding || !*embedding) return;
+  LthEmbedding *e = *embedding;
+  lth_free(ctx, e->rest);
+  lth_free(ctx, e->off);
+  lth_free(ctx, e->sample);
+  lth_free(ctx, e->weight);
+  lth_free(ctx, e->sample_point);
+  lth_free(ctx, e->sample_off);
+  lth_free(ctx, e->sample_func);
+  lth_free(ctx, e->sample_weight);
+  lth_free(ctx, e->sample_cell_off);
+  lth_free(ctx, e->sample_cell);
+  lth_free(ctx, e->cell);
+  lth_free(ctx, e->area);
+  lth_free(ctx, e->sample_value);
+  lth_free(ctx, e);
+  *embedding = NULL;
+}

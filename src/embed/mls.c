@@ -1,0 +1,216 @@
+/// Moving least squares with samples gathered through the faces of elements, ring by ring.
+#include "embed/weights.h"
+
+#include "base/tensor.h"
+#include "geometry/bvh.h"
+
+#define THETA_END 0.011108996538242306 ///< exp(-4.5): the Gaussian where it is cut off
+#define EIGEN_CUT 1e-6
+#define SAMPLES_WANTED 6
+#define CONDITION_WANTED 1e3
+#define GROWTH 1.5
+#define GROWTHS 6
+
+LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, double weight) {
+  LTH_RESERVE(ctx, row->sample, row->cap, (LitheCount)row->n + 1);
+  LTH_RESERVE(ctx, row->weight, row->weight_cap, (LitheCount)row->n + 1);
+  row->sample[row->n] = sample;
+  row->weight[row->n++] = weight;
+  return LITHE_OK;
+}
+
+/// Cells behind the faces of every cell, each once.
+static LitheStatus find_neighbors(LitheCtx *ctx, LthMls *mls) {
+  const LthMesh *m = mls->mesh;
+  LitheIndex *mark = NULL;
+  LitheCount cap = 0;
+  LTH_NEW(ctx, mls->neighbor_off, (LitheCount)m->n_cells + 1);
+  LTH_NEW(ctx, mark, m->n_cells);
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = 0;
+  for (LitheIndex c = 0; c < m->n_cells; c++) mark[c] = -1;
+  for (LitheIndex c = 0; c < m->n_cells; c++) {
+    for (LitheIndex i = m->cell_face_off[c]; i < m->cell_face_off[c + 1]; i++) {
+      const LitheIndex *side = m->face_cell + 2 * (size_t)m->cell_face[i];
+      LitheIndex other = side[0] == c ? side[1] : side[0];
+      if (other < 0 || mark[other] == c) continue;
+      mark[other] = c;
+      LTH_RESERVE_OR(done, ctx, mls->neighbor, cap, (LitheCount)n + 1);
+      mls->neighbor[n++] = other;
+    }
+    mls->neighbor_off[c + 1] = n;
+  }
+done:
+  lth_free(ctx, mark);
+  return status;
+}
+
+LitheStatus lth_mls_create(LitheCtx *ctx, const LthMesh *mesh, const LthSampleSet *samples,
+                           LthMls *mls) {
+  *mls = (LthMls){.mesh = mesh, .samples = samples};
+  LITHE_TRY(find_neighbors(ctx, mls));
+  LTH_NEW(ctx, mls->cell_radius, mesh->n_cells);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+    for (LitheCount e = samples->of_cell_off[c]; e < samples->of_cell_off[c + 1]; e++)
+      mls->cell_radius[c] = fmax(mls->cell_radius[c], samples->radius[samples->of_cell[e]]);
+  return LITHE_OK;
+}
+
+void lth_mls_free(LitheCtx *ctx, LthMls *mls) {
+  lth_free(ctx, mls->neighbor_off);
+  lth_free(ctx, mls->neighbor);
+  lth_free(ctx, mls->cell_radius);
+}
+
+LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s) {
+  *s = (LthMlsScratch){0};
+  LTH_NEW(ctx, s->cell_mark, mls->mesh->n_cells);
+  LTH_NEW(ctx, s->queue, mls->mesh->n_cells);
+  LTH_NEW(ctx, s->sample_mark, mls->samples->n);
+  LTH_NEW(ctx, s->candidate, mls->samples->n);
+  LTH_NEW(ctx, s->distance, mls->samples->n);
+  LTH_NEW(ctx, s->theta, mls->samples->n);
+  return LITHE_OK;
+}
+
+void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
+  lth_free(ctx, s->cell_mark);
+  lth_free(ctx, s->queue);
+  lth_free(ctx, s->sample_mark);
+  lth_free(ctx, s->candidate);
+  lth_free(ctx, s->distance);
+  lth_free(ctx, s->theta);
+}
+
+/// Samples within `grown` times their radius of x, of cells connected to `cell` within reach. Sets
+/// candidate and theta; returns their number.
+static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
+                         double grown) {
+  const LthSampleSet *set = mls->samples;
+  LitheIndex head = 0, tail = 0, n = 0;
+  s->stamp++;
+  s->queue[tail++] = cell;
+  s->cell_mark[cell] = s->stamp;
+  while (head < tail) {
+    LitheIndex c = s->queue[head++];
+    for (LitheCount e = set->of_cell_off[c]; e < set->of_cell_off[c + 1]; e++) {
+      LitheIndex i = set->of_cell[e];
+      if (s->sample_mark[i] == s->stamp) continue;
+      s->sample_mark[i] = s->stamp;
+      double d = lth_v3_distance(x, set->point + 3 * (size_t)i) / (grown * set->radius[i]);
+      if (!(d < 1)) continue;
+      s->theta[n] = exp(-4.5 * d * d) - THETA_END;
+      s->candidate[n++] = i;
+    }
+    for (LitheIndex k = mls->neighbor_off[c]; k < mls->neighbor_off[c + 1]; k++) {
+      LitheIndex other = mls->neighbor[k];
+      double reach = grown * mls->cell_radius[other];
+      if (s->cell_mark[other] == s->stamp) continue;
+      s->cell_mark[other] = s->stamp;
+      if (lth_box_distance2(mls->mesh->cell_box + 6 * (size_t)other, x) < reach * reach)
+        s->queue[tail++] = other;
+    }
+  }
+  return n;
+}
+
+/// One Jacobi rotation that clears A[p][q]; V collects the eigenvectors as columns.
+static void rotate(double A[9], double V[9], int p, int q) {
+  double off = A[3 * p + q];
+  if (off == 0) return;
+  double theta = (A[4 * q] - A[4 * p]) / (2 * off);
+  double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + hypot(theta, 1)), c = 1 / hypot(t, 1),
+         s = t * c;
+  for (int k = 0; k < 3; k++) {
+    double kp = A[3 * k + p], kq = A[3 * k + q];
+    A[3 * k + p] = c * kp - s * kq, A[3 * k + q] = s * kp + c * kq;
+  }
+  for (int k = 0; k < 3; k++) {
+    double pk = A[3 * p + k], qk = A[3 * q + k], vp = V[3 * k + p], vq = V[3 * k + q];
+    A[3 * p + k] = c * pk - s * qk, A[3 * q + k] = s * pk + c * qk;
+    V[3 * k + p] = c * vp - s * vq, V[3 * k + q] = s * vp + c * vq;
+  }
+}
+
+double lth_pseudo_solve(const double S[9], const double d[3], double g[3]) {
+  double A[9], V[9], high = 0, low = INFINITY;
+  memcpy(A, S, sizeof A);
+  lth_m3_identity(V);
+  for (int sweep = 0; sweep < 12; sweep++) {
+    if (fabs(A[1]) + fabs(A[2]) + fabs(A[5]) <= 1e-17 * (fabs(A[0]) + fabs(A[4]) + fabs(A[8])))
+      break;
+    rotate(A, V, 0, 1), rotate(A, V, 0, 2), rotate(A, V, 1, 2);
+  }
+  for (int i = 0; i < 3; i++) high = fmax(high, A[4 * i]), low = fmin(low, A[4 * i]);
+  g[0] = g[1] = g[2] = 0;
+  for (int i = 0; i < 3; i++) {
+    double v[3] = {V[i], V[3 + i], V[6 + i]};
+    if (A[4 * i] > EIGEN_CUT * high) lth_v3_axpy(lth_v3_dot(v, d) / A[4 * i], v, g);
+  }
+  return low > EIGEN_CUT * high ? high / low : INFINITY;
+}
+
+/// Sum, mean place and covariance of weighted points.
+static double find_moments(const LthSampleSet *set, const LitheIndex *sample, const double *weight,
+                           LitheIndex n, const double x[3], double center[3], double S[9]) {
+  double m0 = 0, c[3] = {0, 0, 0};
+  for (LitheIndex i = 0; i < n; i++) {
+    double w = fabs(weight[i]), d[3];
+    lth_v3_sub(set->point + 3 * (size_t)sample[i], x,
+               d); // about x: places far from the origin lose nothing
+    lth_v3_axpy(w, d, c);
+    m0 += w;
+  }
+  for (int a = 0; a < 3; a++) center[a] = m0 > 0 ? c[a] / m0 : 0;
+  for (int a = 0; a < 9; a++) S[a] = 0;
+  for (LitheIndex i = 0; i < n && m0 > 0; i++) {
+    double w = fabs(weight[i]) / m0, d[3];
+    lth_v3_sub(set->point + 3 * (size_t)sample[i], x, d);
+    lth_v3_axpy(-1, center, d);
+    for (int a = 0; a < 9; a++) S[a] += w * d[a / 3] * d[a % 3];
+  }
+  return m0;
+}
+
+LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, const double x[3],
+                            LitheIndex cell, LthWeightRow *row) {
+  double grown = 1, center[3], S[9], g[3], m0 = 0, condition = INFINITY;
+  LitheIndex n = 0;
+  row->n = 0;
+  for (int k = 0; k < GROWTHS; k++, grown *= GROWTH) {
+    n = gather(mls, s, x, cell, grown);
+    m0 = find_moments(mls->samples, s->candidate, s->theta, n, x, center, S);
+    double to_x[3] = {-center[0], -center[1], -center[2]};
+    condition = n >= 4 ? lth_pseudo_solve(S, to_x, g) : INFINITY;
+    if (n >= SAMPLES_WANTED && condition < CONDITION_WANTED) break;
+  }
+  if (!(condition < INFINITY)) return LITHE_OK;
+
+  for (LitheIndex i = 0; i < n; i++) {
+    double d[3];
+    lth_v3_sub(mls->samples->point + 3 * (size_t)s->candidate[i], x, d);
+    lth_v3_axpy(-1, center, d);
+    LITHE_TRY(lth_row_add(ctx, row, s->candidate[i], s->theta[i] / m0 * (1 + lth_v3_dot(g, d))));
+  }
+  return LITHE_OK;
+}
+
+void lth_row_make_linear(const LthSampleSet *samples, const double x[3], LthWeightRow *row) {
+  double center[3], S[9], g[3], sum = 0, miss[3] = {0, 0, 0};
+  for (LitheIndex i = 0; i < row->n; i++) sum += row->weight[i];
+  if (!(fabs(sum) > 0)) return;
+  for (LitheIndex i = 0; i < row->n; i++) {
+    double d[3];
+    row->weight[i] /= sum;
+    lth_v3_sub(samples->point + 3 * (size_t)row->sample[i], x, d);
+    lth_v3_axpy(-row->weight[i], d, miss);
+  }
+  double m0 = find_moments(samples, row->sample, row->weight, row->n, x, center, S);
+  if (!(lth_pseudo_solve(S, miss, g) < INFINITY)) return;
+  for (LitheIndex i = 0; i < row->n; i++) {
+    double d[3];
+    lth_v3_sub(samples->point + 3 * (size_t)row->sample[i], x, d);
+    lth_v3_axpy(-1, center, d);
+    row->weight[i] += fabs(row->weight[i]) / m0 * lth_v3_dot(g, d);
+  }
+}

@@ -1,0 +1,313 @@
+/// Where a discontinuous field is sampled, which elements each sample averages, and how far it acts.
+#include "embed/samples.h"
+
+#include "base/tensor.h"
+
+#include <stdlib.h>
+
+#define COARSE_RANK 2   ///< grid planes through a coarse node
+#define RADIUS_FACTOR 2 ///< radius over the local spacing
+#define SPAN_MIN 0.05 ///< smallest variance of an element's nodes over its box's half edge squared
+
+void lth_samples_destroy(LitheCtx *ctx, LthSampleSet **set) {
+  if (!set || !*set) return;
+  LthSampleSet *s = *set;
+  lth_free(ctx, s->point);
+  lth_free(ctx, s->radius);
+  lth_free(ctx, s->cell_off);
+  lth_free(ctx, s->cell);
+  lth_free(ctx, s->of_cell_off);
+  lth_free(ctx, s->of_cell);
+  lth_free(ctx, s->of_point);
+  lth_free(ctx, s);
+  *set = NULL;
+}
+
+LitheStatus lth_samples_add(LitheCtx *ctx, LthSampleSet *s, const double x[3], LitheIndex n_cells,
+                            const LitheIndex *cells) {
+  LitheCount end = s->n > 0 ? s->cell_off[s->n] : 0;
+  LTH_RESERVE(ctx, s->point, s->point_cap, 3 * ((LitheCount)s->n + 1));
+  LTH_RESERVE(ctx, s->cell_off, s->cell_off_cap, (LitheCount)s->n + 2);
+  LTH_RESERVE(ctx, s->cell, s->cell_cap, end + n_cells);
+  lth_v3_copy(x, s->point + 3 * (size_t)s->n);
+  memcpy(s->cell + end, cells, sizeof *cells * (size_t)n_cells);
+  s->cell_off[++s->n] = end + n_cells;
+  return LITHE_OK;
+}
+
+/// Cells of every mesh point, ascending, as rows.
+typedef struct Incidence {
+  LitheCount *off;
+  LitheIndex *cell, *mark;
+} Incidence;
+
+/// Call for every point of a cell once: `mark` remembers the last cell that saw a point.
+static void count_or_fill(const LthMesh *m, LitheIndex cell, Incidence *at, bool fill) {
+  for (LitheIndex i = m->cell_face_off[cell]; i < m->cell_face_off[cell + 1]; i++) {
+    LitheIndex f = m->cell_face[i];
+    for (LitheIndex k = m->loop_off[m->face_loop_off[f]]; k < m->loop_off[m->face_loop_off[f + 1]];
+         k++) {
+      LitheIndex p = m->loop_point[k];
+      if (at->mark[p] == cell) continue;
+      at->mark[p] = cell;
+      if (fill)
+        at->cell[at->off[p]++] = cell;
+      else
+        at->off[p + 1]++;
+    }
+  }
+}
+
+static LitheStatus find_incidence(LitheCtx *ctx, const LthMesh *m, Incidence *at) {
+  LTH_NEW(ctx, at->off, (LitheCount)m->n_points + 2);
+  LTH_NEW(ctx, at->mark, m->n_points);
+  for (LitheIndex p = 0; p < m->n_points; p++) at->mark[p] = -1;
+  for (LitheIndex c = 0; c < m->n_cells; c++) count_or_fill(m, c, at, false);
+  for (LitheIndex p = 0; p < m->n_points; p++) at->off[p + 1] += at->off[p];
+  LTH_NEW(ctx, at->cell, at->off[m->n_points]);
+  for (LitheIndex p = 0; p < m->n_points; p++) at->mark[p] = -1;
+  for (LitheIndex c = 0; c < m->n_cells; c++) count_or_fill(m, c, at, true);
+  for (LitheIndex p = m->n_points; p > 0; p--)
+    at->off[p] = at->off[p - 1]; // fill moved each to its end
+  at->off[0] = 0;
+  return LITHE_OK;
+}
+
+static void free_incidence(LitheCtx *ctx, Incidence *at) {
+  lth_free(ctx, at->off);
+  lth_free(ctx, at->cell);
+  lth_free(ctx, at->mark);
+}
+
+/// Samples at all mesh points of at least `rank` that an element uses.
+static LitheStatus add_points(LitheCtx *ctx, const LthMesh *m, int rank, LthSampleSet *s) {
+  Incidence at = {0};
+  LitheStatus status = LITHE_OK;
+  LTH_NEW_OR(done, ctx, s->of_point, m->n_points);
+  LITHE_TRY_OR(done, find_incidence(ctx, m, &at));
+  for (LitheIndex p = 0; p < m->n_points; p++) {
+    LitheCount n = at.off[p + 1] - at.off[p];
+    s->of_point[p] = -1;
+    if (n == 0 || m->point_rank[p] < rank) continue;
+    s->of_point[p] = s->n;
+    LITHE_TRY_OR(done, lth_samples_add(ctx, s, m->points + 3 * (size_t)p, (LitheIndex)n,
+                                       at.cell + at.off[p]));
+  }
+done:
+  free_incidence(ctx, &at);
+  return status;
+}
+
+/// An edge between two coarse nodes as one of its cells sees it; by samples, low < high.
+typedef struct Edge {
+  LitheIndex low, high, cell;
+} Edge;
+
+static int compare_edges(const void *a, const void *b) {
+  const Edge *p = a, *q = b;
+  if (p->low != q->low) return p->low < q->low ? -1 : 1;
+  if (p->high != q->high) return p->high < q->high ? -1 : 1;
+  return (p->cell > q->cell) - (p->cell < q->cell);
+}
+
+static LitheStatus add_loop_edges(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s,
+                                  LitheIndex face, LitheIndex loop, Edge **edges, LitheCount *n,
+                                  LitheCount *cap) {
+  LitheIndex first = m->loop_off[loop], end = m->loop_off[loop + 1];
+  for (LitheIndex i = first; i < end; i++) {
+    LitheIndex a = s->of_point[m->loop_point[i]];
+    LitheIndex b = s->of_point[m->loop_point[i + 1 < end ? i + 1 : first]];
+    if (a < 0 || b < 0 || a == b) continue;
+    for (int side = 0; side < 2; side++) {
+      LitheIndex cell = m->face_cell[2 * (size_t)face + (size_t)side];
+      if (cell < 0) continue;
+      LTH_RESERVE(ctx, *edges, *cap, *n + 1);
+      (*edges)[(*n)++] = (Edge){a < b ? a : b, a < b ? b : a, cell};
+    }
+  }
+  return LITHE_OK;
+}
+
+/// All edges between coarse nodes with their cells, sorted, each (edge, cell) once.
+static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s, Edge **edges,
+                              LitheCount *n) {
+  LitheCount cap = 0, kept = 0;
+  *edges = NULL, *n = 0;
+  for (LitheIndex f = 0; f < m->n_faces; f++)
+    for (LitheIndex l = m->face_loop_off[f]; l < m->face_loop_off[f + 1]; l++)
+      LITHE_TRY(add_loop_edges(ctx, m, s, f, l, edges, n, &cap));
+  if (*n > 0) qsort(*edges, (size_t)*n, sizeof **edges, compare_edges);
+  for (LitheCount i = 0; i < *n; i++)
+    if (kept == 0 || compare_edges(&(*edges)[kept - 1], &(*edges)[i]) != 0)
+      (*edges)[kept++] = (*edges)[i];
+  *n = kept;
+  return LITHE_OK;
+}
+
+/// Mean length of the edges at each node, 0 where there are none. (n_nodes)
+static LitheStatus find_one_rings(LitheCtx *ctx, const LthSampleSet *s, const Edge *edges,
+                                  LitheCount n, double **length) {
+  LitheIndex *count = NULL;
+  LTH_NEW(ctx, *length, s->n);
+  LTH_NEW(ctx, count, s->n);
+  for (LitheCount i = 0; i < n; i++) {
+    if (i > 0 && edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high) continue;
+    LitheIndex end[2] = {edges[i].low, edges[i].high};
+    double d = lth_v3_distance(s->point + 3 * (size_t)end[0], s->point + 3 * (size_t)end[1]);
+    for (int k = 0; k < 2; k++) (*length)[end[k]] += d, count[end[k]]++;
+  }
+  for (LitheIndex i = 0; i < s->n; i++)
+    if (count[i] > 0) (*length)[i] /= count[i];
+  lth_free(ctx, count);
+  return LITHE_OK;
+}
+
+static LitheStatus add_edge_middles(LitheCtx *ctx, LthSampleSet *s, const Edge *edges,
+                                    LitheCount n) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex *cells = NULL;
+  LitheCount cap = 0;
+  for (LitheCount i = 0, j; i < n; i = j) {
+    double x[3];
+    for (j = i; j < n && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++) {
+      LTH_RESERVE_OR(done, ctx, cells, cap, j - i + 1);
+      cells[j - i] = edges[j].cell;
+    }
+    lth_v3_add(s->point + 3 * (size_t)edges[i].low, s->point + 3 * (size_t)edges[i].high, x);
+    lth_v3_scale(0.5, x);
+    LITHE_TRY_OR(done, lth_samples_add(ctx, s, x, (LitheIndex)(j - i), cells));
+  }
+done:
+  lth_free(ctx, cells);
+  return status;
+}
+
+static LitheStatus add_middles(LitheCtx *ctx, const LthMesh *m, LthSamples samples,
+                               const Edge *edges, LitheCount n_edges, LthSampleSet *s) {
+  if (samples >= LTH_SAMPLE_EDGES) LITHE_TRY(add_edge_middles(ctx, s, edges, n_edges));
+  for (LitheIndex f = 0; samples >= LTH_SAMPLE_FACES && f < m->n_faces; f++)
+    if (m->face_cell[2 * (size_t)f + 1] >= 0)
+      LITHE_TRY(lth_samples_add(ctx, s, m->face_centroid + 3 * (size_t)f, 2,
+                                m->face_cell + 2 * (size_t)f));
+  for (LitheIndex c = 0; samples >= LTH_SAMPLE_CELLS && c < m->n_cells; c++)
+    LITHE_TRY(lth_samples_add(ctx, s, m->cell_centroid + 3 * (size_t)c, 1, &c));
+  return LITHE_OK;
+}
+
+/// Fill of_cell from cell.
+static LitheStatus list_by_cell(LitheCtx *ctx, const LthMesh *m, LthSampleSet *s) {
+  lth_free(ctx, s->of_cell_off);
+  lth_free(ctx, s->of_cell);
+  s->of_cell = NULL;
+  LTH_NEW(ctx, s->of_cell_off, (LitheCount)m->n_cells + 2);
+  LitheCount total = s->n > 0 ? s->cell_off[s->n] : 0;
+  for (LitheCount e = 0; e < total; e++) s->of_cell_off[s->cell[e] + 2]++;
+  for (LitheIndex c = 0; c < m->n_cells; c++) s->of_cell_off[c + 2] += s->of_cell_off[c + 1];
+  LTH_NEW(ctx, s->of_cell, total);
+  for (LitheIndex i = 0; i < s->n; i++)
+    for (LitheCount e = s->cell_off[i]; e < s->cell_off[i + 1]; e++)
+      s->of_cell[s->of_cell_off[s->cell[e] + 1]++] = i;
+  return LITHE_OK;
+}
+
+/// True where the samples of a cell vary enough along every direction: the covariance of their places in
+/// the cell's box, less SPAN_MIN, is positive definite.
+static bool spans_space(const LthMesh *m, const LthSampleSet *s, LitheIndex cell) {
+  const double *box = m->cell_box + 6 * (size_t)cell;
+  LitheCount begin = s->of_cell_off[cell], end = s->of_cell_off[cell + 1];
+  double mean[3] = {0, 0, 0}, C[9] = {0};
+  if (end - begin < 4) return false;
+  for (LitheCount e = begin; e < end; e++)
+    lth_v3_axpy(1.0 / (double)(end - begin), s->point + 3 * (size_t)s->of_cell[e], mean);
+  for (LitheCount e = begin; e < end; e++) {
+    double d[3];
+    for (int i = 0; i < 3; i++)
+      d[i] =
+          2 * (s->point[3 * (size_t)s->of_cell[e] + (size_t)i] - mean[i]) / (box[3 + i] - box[i]);
+    for (int i = 0; i < 9; i++) C[i] += d[i / 3] * d[i % 3] / (double)(end - begin);
+  }
+  for (int i = 0; i < 3; i++) C[4 * i] -= SPAN_MIN;
+  return C[0] > 0 && C[0] * C[4] - C[1] * C[3] > 0 && lth_m3_det(C) > 0;
+}
+
+static LitheStatus add_own_samples(LitheCtx *ctx, const LthMesh *m, LitheIndex cell,
+                                   LthSampleSet *s) {
+  const double *box = m->cell_box + 6 * (size_t)cell, *center = m->cell_centroid + 3 * (size_t)cell;
+  LITHE_TRY(lth_samples_add(ctx, s, center, 1, &cell));
+  for (int k = 0; k < 6; k++) {
+    double x[3];
+    lth_v3_copy(center, x);
+    x[k / 2] += (k % 2 ? 0.25 : -0.25) * (box[3 + k / 2] - box[k / 2]);
+    LITHE_TRY(lth_samples_add(ctx, s, x, 1, &cell));
+  }
+  return LITHE_OK;
+}
+
+/// Mean edge of the boxes of a sample's elements [m].
+static double mean_box_edge(const LthMesh *m, const LthSampleSet *s, LitheIndex i) {
+  double sum = 0;
+  for (LitheCount e = s->cell_off[i]; e < s->cell_off[i + 1]; e++) {
+    const double *box = m->cell_box + 6 * (size_t)s->cell[e];
+    sum += (box[3] - box[0] + box[4] - box[1] + box[5] - box[2]) / 3;
+  }
+  return sum / (double)(s->cell_off[i + 1] - s->cell_off[i]);
+}
+
+/// Radii: twice the spacing, which is the greater of the mean one-ring edge and the elements' mean edge (a
+/// node that lies close to another one would else hardly act), less where samples are denser than nodes.
+static LitheStatus set_radii(LitheCtx *ctx, const LthMesh *m, LthSamples samples,
+                             const double *one_ring, LitheIndex n_nodes, LthSampleSet *s) {
+  // cube root of the nodes' share of all samples of a regular grid: 1/1, 1/4, 1/7, 1/8
+  static const double denser[] = {1, 0.63, 0.523, 0.5};
+  LTH_NEW(ctx, s->radius, s->n);
+  for (LitheIndex i = 0; i < s->n; i++) {
+    double spacing = mean_box_edge(m, s, i);
+    if (i < n_nodes) spacing = fmax(spacing, one_ring[i]);
+    s->radius[i] = RADIUS_FACTOR * denser[samples] * spacing;
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus build_samples(LitheCtx *ctx, const LthMesh *m, LthSamples samples,
+                                 LthSampleSet *s) {
+  LitheStatus status = LITHE_OK;
+  Edge *edges = NULL;
+  double *one_ring = NULL;
+  LitheCount n_edges = 0;
+  LITHE_TRY_OR(done, add_points(ctx, m, COARSE_RANK, s));
+  LITHE_TRY_OR(done, find_edges(ctx, m, s, &edges, &n_edges));
+  LITHE_TRY_OR(done, find_one_rings(ctx, s, edges, n_edges, &one_ring));
+  LitheIndex n_nodes = s->n;
+  LITHE_TRY_OR(done, add_middles(ctx, m, samples, edges, n_edges, s));
+  LITHE_TRY_OR(done, list_by_cell(ctx, m, s));
+  for (LitheIndex c = 0; c < m->n_cells; c++)
+    if (!spans_space(m, s, c)) LITHE_TRY_OR(done, add_own_samples(ctx, m, c, s));
+  LITHE_TRY_OR(done, list_by_cell(ctx, m, s));
+  LITHE_TRY_OR(done, set_radii(ctx, m, samples, one_ring, n_nodes, s));
+done:
+  lth_free(ctx, edges);
+  lth_free(ctx, one_ring);
+  return status;
+}
+
+LitheStatus lth_samples_create(LitheCtx *ctx, const LthMesh *mesh, LthSamples samples,
+                               LthSampleSet **set) {
+  LitheStatus status = LITHE_OK;
+  *set = NULL;
+  LTH_NEW(ctx, *set, 1);
+  LITHE_TRY_OR(done, build_samples(ctx, mesh, samples, *set));
+done:
+  if (status != LITHE_OK) lth_samples_destroy(ctx, set);
+  return status;
+}
+
+LitheStatus lth_samples_create_points(LitheCtx *ctx, const LthMesh *mesh, LthSampleSet **set) {
+  LitheStatus status = LITHE_OK;
+  *set = NULL;
+  LTH_NEW(ctx, *set, 1);
+  LITHE_TRY_OR(done, add_points(ctx, mesh, 0, *set));
+  LITHE_TRY_OR(done, list_by_cell(ctx, mesh, *set));
+done:
+  if (status != LITHE_OK) lth_samples_destroy(ctx, set);
+  return status;
+}

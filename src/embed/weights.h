@@ -1,0 +1,54 @@
+/// Weights of samples at embedded points, by moving least squares or mean value coordinates.
+#pragma once
+
+#include "embed/samples.h"
+
+/// A row under construction: samples and weights, in any order until it is sorted.
+typedef struct LthWeightRow {
+  LitheIndex *sample;
+  double *weight;
+  LitheCount cap, weight_cap;
+  LitheIndex n;
+} LthWeightRow;
+
+LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, double weight);
+
+/// What the rows of all points share; read by many threads.
+typedef struct LthMls {
+  const LthMesh *mesh;
+  const LthSampleSet *samples;
+  LitheIndex *neighbor_off, *neighbor; ///< cells behind the faces of a cell  (n_cells + 1)
+  double *cell_radius;                 ///< largest radius of a cell's samples (n_cells)
+} LthMls;
+
+LitheStatus lth_mls_create(LitheCtx *ctx, const LthMesh *mesh, const LthSampleSet *samples,
+                           LthMls *mls);
+void lth_mls_free(LitheCtx *ctx, LthMls *mls);
+
+/// Scratch of one thread.
+typedef struct LthMlsScratch {
+  LitheIndex *cell_mark, *sample_mark, *queue, *candidate;
+  double *distance, *theta;
+  LitheIndex stamp;
+} LthMlsScratch;
+
+LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *scratch);
+void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *scratch);
+
+/// Moving least squares weights at x of the samples that can be reached from `cell` through faces within
+/// their radii (eq. 31). Empty row: no set of samples that spans space, however far the radii were grown.
+LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *scratch,
+                            const double x[3], LitheIndex cell, LthWeightRow *row);
+
+/// Mean value coordinates at x of the points of `cell` (Ju, Schaefer, Warren 2005) with every face as a
+/// signed fan; corrected to linear precision. Empty row: none found.
+LitheStatus lth_mean_value_weights(LitheCtx *ctx, const LthMesh *mesh, const LthSampleSet *points,
+                                   const double x[3], LitheIndex cell, LthWeightRow *row);
+
+/// Affine correction: weights *= 1 + g . (x_i - c), so that sum w_i = 1 and sum w_i x_i = x to rounding,
+/// the moments taken with |w_i|. Does nothing where the samples do not span space.
+void lth_row_make_linear(const LthSampleSet *samples, const double x[3], LthWeightRow *row);
+
+/// Solution of S g = d by eigenvalues of the symmetric S, those below 1e-6 of the largest cut off. Returns
+/// the ratio of the largest to the smallest, INFINITY where one was cut.
+double lth_pseudo_solve(const double S[9], const double d[3], double g[3]);
