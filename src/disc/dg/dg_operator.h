@@ -10,18 +10,18 @@
 typedef enum LthFlux { LTH_FLUX_IP, LTH_FLUX_BZ } LthFlux;
 
 typedef enum LthPenaltyKind {
-  LTH_PENALTY_AUTO,       ///< projected and split by a sharp local bound; BZ: softening below 2 %
-  LTH_PENALTY_ETA,        ///< eq. (20) with eta, times lambda + 2 mu
-  LTH_PENALTY_ETA_PLAIN   ///< eq. (20) with eta, to the letter (no material constant)
+  LTH_PENALTY_AUTO,     ///< projected and split by a sharp local bound; BZ: softening below 2 %
+  LTH_PENALTY_ETA,      ///< eq. (20) with eta, times lambda + 2 mu
+  LTH_PENALTY_ETA_PLAIN ///< eq. (20) with eta, to the letter (no material constant)
 } LthPenaltyKind;
 
 /// A weakly imposed displacement on part of the boundary.
 typedef struct LthWeakConstraint {
-  const LthPatches *patches;     ///< borrowed for life
-  bool fixed[3];                 ///< components that are prescribed
-  bool normal_only;              ///< a roller: only the normal component, value[0]
-  bool is_position;              ///< value is the deformed place, not the displacement
-  LthValue value[3];             ///< [m]
+  const LthPatches *patches; ///< borrowed for life
+  bool fixed[3];             ///< components that are prescribed
+  bool normal_only;          ///< a roller: only the normal component, value[0]
+  bool is_position;          ///< value is the deformed place, not the displacement
+  LthValue value[3];         ///< [m]
 } LthWeakConstraint;
 
 typedef struct LthDgOperatorDef {

@@ -1,0 +1,259 @@
+/// The warped stiffness matrix and its load: every block row is written by one thread only.
+///
+/// While a block is summed its rows are kept planar, row (i, a) = [b][j], so that the inner loops run
+/// over j; at the end each row is interleaved to columns 3 j + b.
+#include "disc/dg/dg_priv.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+/// block += R D R^T for all (i, j); D laid out [i][a][b][j].
+INLINE void rotate_cell(int nb, const double *restrict D, const double R[9],
+                        double *restrict block) {
+  for (int i = 0; i < nb; i++)
+    for (int a = 0; a < 3; a++) {
+      double half[3][LTH_DG_MAX_FUNCS];
+      const double *Di = D + i * 9 * nb;
+      for (int d = 0; d < 3; d++)
+        for (int j = 0; j < nb; j++)
+          half[d][j] = R[3 * a] * Di[d * nb + j] + R[3 * a + 1] * Di[(3 + d) * nb + j] +
+                       R[3 * a + 2] * Di[(6 + d) * nb + j];
+      double *row = block + (i * 3 + a) * 3 * nb;
+      for (int b = 0; b < 3; b++)
+        for (int j = 0; j < nb; j++)
+          row[b * nb + j] =
+              R[3 * b] * half[0][j] + R[3 * b + 1] * half[1][j] + R[3 * b + 2] * half[2][j];
+    }
+}
+
+/// block[i][a][b][j] += full_ab mass_ij + mean_ab u_i v_j
+INLINE void add_mass(int nu, int nv, const double *restrict mass, const double full[9],
+                     const double *restrict u, const double *restrict v, const double mean[9],
+                     double *restrict block) {
+  for (int i = 0; i < nu; i++)
+    for (int ab = 0; ab < 9; ab++) {
+      double f = full[ab], m = mean[ab] * u[i];
+      double *row = block + (i * 9 + ab) * nv;
+      for (int j = 0; j < nv; j++) row[j] += f * mass[i * nv + j] + m * v[j];
+    }
+}
+
+/// One side's flux on the block of owner rows and neighbour columns; n = R_s n, g' = R_s g_ij:
+///   side -: += lambda n_a g'_b + mu (g'_a n_b + delta_ab n.g'), and its transpose for side +.
+/// lambda and mu carry the factor -1/2.
+INLINE void add_flux(int nu, int nv, const double *restrict g, const double R[9], const double n[3],
+                     double lambda, double mu, int transposed, double *restrict block) {
+  for (int i = 0; i < nu; i++) {
+    double r[3][LTH_DG_MAX_FUNCS], ng[LTH_DG_MAX_FUNCS];
+    for (int b = 0; b < 3; b++)
+      for (int j = 0; j < nv; j++)
+        r[b][j] = R[3 * b] * g[i * nv + j] + R[3 * b + 1] * g[(nu + i) * nv + j] +
+                  R[3 * b + 2] * g[(2 * nu + i) * nv + j];
+    for (int j = 0; j < nv; j++) ng[j] = mu * (n[0] * r[0][j] + n[1] * r[1][j] + n[2] * r[2][j]);
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++) {
+        double *row = block + ((i * 3 + a) * 3 + b) * nv;
+        double ca = (transposed ? mu : lambda) * n[a], cb = (transposed ? lambda : mu) * n[b];
+        for (int j = 0; j < nv; j++) row[j] += ca * r[b][j] + cb * r[a][j];
+        if (a == b)
+          for (int j = 0; j < nv; j++) row[j] += ng[j];
+      }
+  }
+}
+
+/// Rows [b][j] -> [3 j + b].
+INLINE void interleave(int rows, int nv, double *restrict block) {
+  for (int r = 0; r < rows; r++) {
+    double planar[3 * LTH_DG_MAX_FUNCS], *row = block + r * 3 * nv;
+    memcpy(planar, row, sizeof *row * 3 * (size_t)nv);
+    for (int j = 0; j < nv; j++)
+      for (int b = 0; b < 3; b++) row[3 * j + b] = planar[b * nv + j];
+  }
+}
+
+/// What one face adds to a block of owner rows and neighbour columns.
+typedef struct PairTerms {
+  const double *mixed, *u, *v, *slope[2], *R[2];
+  double full[9], mean[9], n[2][3], lambda[2], mu[2];
+} PairTerms;
+
+INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *block) {
+  add_mass(nu, nv, t->mixed, t->full, t->u, t->v, t->mean, block);
+  if (!flux) return;
+  add_flux(nu, nv, t->slope[1], t->R[1], t->n[1], t->lambda[1], t->mu[1], 0, block);
+  add_flux(nu, nv, t->slope[0], t->R[0], t->n[0], t->lambda[0], t->mu[0], 1, block);
+}
+
+// the common sizes are compiled with constant trip counts
+#define BY_SIZE(n, call)                                                                           \
+  switch (n) {                                                                                     \
+  case 4:                                                                                          \
+    call(4);                                                                                       \
+    break;                                                                                         \
+  case 10:                                                                                         \
+    call(10);                                                                                      \
+    break;                                                                                         \
+  case 20:                                                                                         \
+    call(20);                                                                                      \
+    break;                                                                                         \
+  case 35:                                                                                         \
+    call(35);                                                                                      \
+    break;                                                                                         \
+  default:                                                                                         \
+    call(n);                                                                                       \
+    break;                                                                                         \
+  }
+
+LTH_DG_CLONES static void rotate_cell_sized(int nb, const double *D, const double R[9],
+                                            double *block){
+#define CALL(n) rotate_cell(n, D, R, block)
+    BY_SIZE(nb, CALL)
+#undef CALL
+}
+
+LTH_DG_CLONES static void add_mass_sized(int nb, const double *mass, const double full[9],
+                                         const double mean[9], double *block){
+#define CALL(n) add_mass(n, n, mass, full, mass, mass, mean, block)
+    BY_SIZE(nb, CALL)
+#undef CALL
+}
+
+LTH_DG_CLONES
+    static void pair_rows_sized(int nu, int nv, int flux, const PairTerms *t, double *block){
+#define CALL(n) pair_rows(nu, n, flux, t, block)
+        BY_SIZE(nv, CALL)
+#undef CALL
+    }
+
+LTH_DG_CLONES static void interleave_sized(int rows, int nv, double *block) {
+#define CALL(n) interleave(rows, n, block)
+  BY_SIZE(nv, CALL)
+#undef CALL
+}
+
+/// Penalty matrices of a face with the rotations as they stand; mean is divided by the area.
+static void face_penalty(const LthDgOperator *op, const LthDgFace *face, double full[9],
+                         double mean[9], double n[2][3]) {
+  for (int s = 0; s < 2; s++)
+    lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, n[s]);
+  const LthDgPenalty *p = &face->penalty;
+  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], full);
+  lth_dg_penalty_matrix(p->mean_iso, p->mean_normal, n[0], n[1], mean);
+  for (int i = 0; i < 9; i++) mean[i] /= face->area;
+}
+
+/// block_ij += P R B_ij R^T + (P R B_ji R^T)^T + P R Q_ij R^T P of a hold that leaves components free.
+static void add_partial_hold(const LthDgOperator *op, const LthDgHold *hold, double *block) {
+  int nb = lth_dg_funcs(op->space, hold->cell);
+  const double *R = op->rotation + 9 * (LitheCount)hold->cell;
+  const double *flux = op->hold_data + hold->table, *penalty = flux + 9 * nb * nb;
+  double PR[9], Rt[9], RtP[9], T[9], M[9];
+  lth_m3_mul(hold->P, R, PR);
+  lth_m3_transpose(PR, RtP);
+  lth_m3_transpose(R, Rt);
+  for (int i = 0; i < nb; i++)
+    for (int j = 0; j < nb; j++) {
+      double B[9], Q[9];
+      for (int ab = 0; ab < 9; ab++) {
+        B[ab] = flux[(i * 9 + ab) * nb + j];
+        Q[ab] = penalty[(i * 9 + ab) * nb + j];
+      }
+      lth_m3_mul(PR, B, T);
+      lth_m3_mul(T, Rt, M);
+      for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+          block[((i * 3 + a) * 3 + b) * nb + j] += M[3 * a + b];
+          block[((j * 3 + b) * 3 + a) * nb + i] += M[3 * a + b];
+        }
+      lth_m3_mul(PR, Q, T);
+      lth_m3_mul(T, RtP, M);
+      for (int ab = 0; ab < 9; ab++) block[(i * 9 + ab) * nb + j] += M[ab];
+    }
+}
+
+static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *block) {
+  int nb = lth_dg_funcs(op->space, cell);
+  rotate_cell_sized(nb, op->cell_data + op->cell_off[cell], op->rotation + 9 * (LitheCount)cell,
+                    block);
+  for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
+    const LthDgFace *face = &op->faces[op->sides[s].face];
+    double full[9], mean[9], n[2][3];
+    face_penalty(op, face, full, mean, n);
+    add_mass_sized(nb, lth_dg_face_tables(op, face).mass[op->sides[s].side], full, mean, block);
+  }
+  for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
+    if (!op->holds[h].whole) add_partial_hold(op, &op->holds[h], block);
+  interleave_sized(3 * nb, nb, block);
+}
+
+static void add_face_to_pair(const LthDgOperator *op, const LthDgFace *face, double *block) {
+  int nu = lth_dg_funcs(op->space, face->cell[0]), nv = lth_dg_funcs(op->space, face->cell[1]);
+  LthDgFaceTables tables = lth_dg_face_tables(op, face);
+  PairTerms t = {.mixed = tables.mixed, .u = tables.mass[0], .v = tables.mass[1]};
+  face_penalty(op, face, t.full, t.mean, t.n);
+  for (int i = 0; i < 9; i++) t.mean[i] = -t.mean[i]; // the sign of a product of two jumps
+  for (int s = 0; s < 2; s++) {
+    t.slope[s] = tables.slope[s];
+    t.R[s] = op->rotation + 9 * (LitheCount)face->cell[s];
+    t.lambda[s] = -0.5 * op->lambda[face->cell[s]];
+    t.mu[s] = -0.5 * op->mu[face->cell[s]];
+  }
+  pair_rows_sized(nu, nv, op->flux == LTH_FLUX_IP, &t, block);
+}
+
+static void transpose_block(int rows, int cols, const double *block, double *transposed) {
+  for (int r = 0; r < rows; r++)
+    for (int c = 0; c < cols; c++) transposed[c * rows + r] = block[r * cols + c];
+}
+
+/// The blocks of a cell with the neighbours it owns the faces to, both triangles.
+static void assemble_pairs(const LthDgOperator *op, LitheIndex cell, LthBlockMatrix *K) {
+  LitheIndex f = op->own_face_off[cell], end = op->own_face_off[cell + 1];
+  int nu = lth_dg_funcs(op->space, cell);
+  while (f < end) {
+    LitheIndex other = op->faces[f].cell[1];
+    int nv = lth_dg_funcs(op->space, other);
+    double *block = K->values + K->value_off[lth_block_matrix_find(K, cell, other)];
+    double *mirror = K->values + K->value_off[lth_block_matrix_find(K, other, cell)];
+    memset(block, 0, sizeof *block * 9 * (size_t)(nu * nv));
+    for (; f < end && op->faces[f].cell[1] == other; f++)
+      add_face_to_pair(op, &op->faces[f], block);
+    interleave_sized(3 * nu, nv, block);
+    transpose_block(3 * nu, 3 * nv, block, mirror);
+  }
+}
+
+void lth_dg_assemble(LthDgOperator *op, double t, LthBlockMatrix *K, double *f0) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+  for (LitheIndex cell = 0; cell < op->space->n_cells; cell++) {
+    assemble_diagonal(op, cell, K->values + K->value_off[K->diagonal[cell]]);
+    assemble_pairs(op, cell, K);
+  }
+  lth_dg_assemble_load(op, t, f0);
+}
+
+/// f0_i = R_K load_i - 1/2 sum_f kappa_L R_L n int phi_i  + constraints: what the reference shape holds.
+static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double *f0) {
+  int nb = lth_dg_funcs(op->space, cell);
+  const double *R = op->rotation + 9 * (LitheCount)cell;
+  const double *own = op->cell_load + 3 * (LitheCount)op->space->func_off[cell];
+  for (int i = 0; i < nb; i++) lth_m3_apply(R, own + 3 * i, f0 + 3 * i);
+  if (op->flux == LTH_FLUX_IP)
+    for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
+      const LthDgFace *face = &op->faces[op->sides[s].face];
+      int side = op->sides[s].side;
+      LitheIndex other = face->cell[1 - side];
+      double kappa = 3 * op->lambda[other] + 2 * op->mu[other], n[3];
+      lth_m3_apply(op->rotation + 9 * (LitheCount)other, face->normal, n);
+      const double *mean = lth_dg_face_tables(op, face).mass[side];
+      for (int i = 0; i < nb; i++)
+        lth_v3_axpy((side == 0 ? -0.5 : 0.5) * kappa * mean[i], n, f0 + 3 * i);
+    }
+  for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
+    lth_dg_hold_load(op, &op->holds[h], t, f0);
+}
+
+void lth_dg_assemble_load(LthDgOperator *op, double t, double *f0) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+  for (LitheIndex cell = 0; cell < op->space->n_cells; cell++)
+    cell_load(op, cell, t, f0 + 3 * (LitheCount)op->space->func_off[cell]);
+}

@@ -1,0 +1,214 @@
+/// Loads as vectors of coefficients: exactly where they are constant, by quadrature where they vary.
+#include "disc/dg/dg_load.h"
+
+#include "disc/dg/dg_priv.h"
+#include "geometry/quadrature.h"
+
+/// What a quadrature over a piece of boundary or a cell adds to.
+typedef struct LoadTarget {
+  const LthDgSpace *space;
+  const LthLoad *load;
+  LitheIndex cell;
+  const double *normal; ///< NULL in the volume
+  const double *x;      ///< position, for followers
+  double t, factor;     ///< factor: 1, or 1 / area of a total force
+  double *f;            ///< of the cell (nb x 3)
+} LoadTarget;
+
+/// cof F n = det F F^-T n: what the area vector becomes.
+static void deformed_normal(const double F[9], const double n[3], double r[3]) {
+  double C[9];
+  lth_v3_cross(F + 3, F + 6, C);
+  lth_v3_cross(F + 6, F, C + 3);
+  lth_v3_cross(F, F + 3, C + 6);
+  lth_m3_apply(C, n, r);
+}
+
+/// Force density at a point.
+static void density_at(const LoadTarget *target, const double at[3], double force[3]) {
+  const LthLoad *load = target->load;
+  double n[3];
+  switch (load->kind) {
+  case LTH_LOAD_TRACTION:
+  case LTH_LOAD_TOTAL_FORCE:
+  case LTH_LOAD_BODY_FORCE:
+    for (int a = 0; a < 3; a++)
+      force[a] = target->factor * lth_value_at(&load->value[a], at, target->t);
+    break;
+  case LTH_LOAD_PRESSURE:
+    lth_v3_copy(target->normal, n);
+    if (load->follower) {
+      double F[9];
+      lth_dg_sample_gradient(target->space, target->cell, target->x, at, F);
+      deformed_normal(F, target->normal, n);
+    }
+    for (int a = 0; a < 3; a++) force[a] = -lth_value_at(&load->value[0], at, target->t) * n[a];
+    break;
+  case LTH_LOAD_STRESS:
+    for (int a = 0; a < 3; a++) {
+      force[a] = 0;
+      for (int b = 0; b < 3; b++)
+        force[a] += lth_value_at(&load->stress[3 * a + b], at, target->t) * target->normal[b];
+    }
+    break;
+  }
+}
+
+static bool is_constant(const LthLoad *load) {
+  if (load->kind == LTH_LOAD_STRESS) {
+    for (int i = 0; i < 9; i++)
+      if (load->stress[i].eval) return false;
+    return true;
+  }
+  if (load->kind == LTH_LOAD_PRESSURE) return !load->value[0].eval && !load->follower;
+  return !load->value[0].eval && !load->value[1].eval && !load->value[2].eval;
+}
+
+/// f_i += weight force(at) phi_i(at)
+static void add_point(const LoadTarget *target, const double at[3], double weight) {
+  double phi[LTH_DG_MAX_FUNCS], force[3];
+  lth_dg_eval(target->space, target->cell, at, phi);
+  density_at(target, at, force);
+  int nb = lth_dg_funcs(target->space, target->cell);
+  for (int i = 0; i < nb; i++) lth_v3_axpy(weight * phi[i], force, target->f + 3 * i);
+}
+
+/// Visit the signed triangles of a face, all with its first point as a corner.
+static void for_triangles(const LthFaceView *face, const LoadTarget *target,
+                          const LthSimplexRule *rule,
+                          void (*visit)(const LoadTarget *, const LthSimplexRule *,
+                                        const double corner[3][3], double area)) {
+  const double *apex = face->points + 3 * (LitheCount)face->loop_point[face->loop_off[0]];
+  for (LitheIndex l = 0; l < face->n_loops; l++)
+    for (LitheIndex k = face->loop_off[l]; k < face->loop_off[l + 1]; k++) {
+      LitheIndex next = k + 1 < face->loop_off[l + 1] ? k + 1 : face->loop_off[l];
+      double corner[3][3], u[3], v[3], w[3];
+      lth_v3_copy(apex, corner[0]);
+      lth_v3_copy(face->points + 3 * (LitheCount)face->loop_point[k], corner[1]);
+      lth_v3_copy(face->points + 3 * (LitheCount)face->loop_point[next], corner[2]);
+      lth_v3_sub(corner[1], apex, u);
+      lth_v3_sub(corner[2], apex, v);
+      lth_v3_cross(u, v, w);
+      double area = 0.5 * lth_v3_dot(w, face->normal);
+      if (area != 0) visit(target, rule, (const double(*)[3])corner, area);
+    }
+}
+
+static void visit_surface(const LoadTarget *target, const LthSimplexRule *rule,
+                          const double corner[3][3], double area) {
+  for (int q = 0; q < lth_simplex_rule_points(rule); q++) {
+    double bary[4], at[3] = {0};
+    double weight = lth_simplex_rule_point(rule, q, bary);
+    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
+    add_point(target, at, area * weight);
+  }
+}
+
+/// The tetrahedron of a triangle and the cell's centroid.
+static void visit_volume(const LoadTarget *target, const LthSimplexRule *rule,
+                         const double corner[3][3], double area) {
+  const double *center = target->space->center + 3 * (LitheCount)target->cell;
+  double d[3];
+  lth_v3_sub(corner[0], center, d);
+  double volume = target->factor * area * lth_v3_dot(d, target->normal) / 3;
+  LoadTarget inner = *target;
+  inner.factor = 1; // it carries the side of the face here
+  for (int q = 0; q < lth_simplex_rule_points(rule); q++) {
+    double bary[4], at[3] = {0};
+    double weight = lth_simplex_rule_point(rule, q, bary);
+    lth_v3_axpy(bary[3], center, at);
+    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
+    add_point(&inner, at, volume * weight);
+  }
+}
+
+/// The whole force of a constant density: int phi_i over the piece is exact.
+static void add_constant(LoadTarget *target, const LthFaceView *piece, const double centroid[3]) {
+  double mean[LTH_DG_MAX_FUNCS] = {0}, force[3];
+  density_at(target, centroid, force);
+  lth_dg_add_face_mean(target->space, target->cell, piece, centroid, mean);
+  int nb = lth_dg_funcs(target->space, target->cell);
+  for (int i = 0; i < nb; i++) lth_v3_axpy(mean[i], force, target->f + 3 * i);
+}
+
+/// cof F has degree 2 (k - 1), a varying density is taken as of degree k + 2.
+static int load_degree(const LthDgSpace *space, const LthLoad *load) {
+  int k = space->max_degree, smooth = 2 * k + 2;
+  return load->follower && 3 * k > smooth ? 3 * k : smooth;
+}
+
+static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target, double *f) {
+  const LthPatches *patches = target->load->patches;
+  const LthMesh *mesh = target->space->mesh;
+  LthSimplexRule rule;
+  LITHE_TRY(lth_simplex_rule(ctx, 2, load_degree(target->space, target->load), &rule));
+  if (target->load->kind == LTH_LOAD_TOTAL_FORCE) {
+    double area = 0;
+    for (LitheIndex p = 0; p < patches->n; p++) area += patches->area[p];
+    if (!(area > 0))
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+                 "total_force: the selection has no area; choose a `where` that selects boundary");
+    target->factor = 1 / area;
+  }
+  bool constant = is_constant(target->load);
+  for (LitheIndex p = 0; p < patches->n; p++) {
+    LitheIndex face = patches->face[p];
+    LthFaceView view = lth_patches_view(mesh, patches, p);
+    target->cell = mesh->face_cell[2 * face];
+    target->normal = mesh->face_normal + 3 * (LitheCount)face;
+    target->f = f + 3 * (LitheCount)target->space->func_off[target->cell];
+    if (constant)
+      add_constant(target, &view, patches->centroid + 3 * (LitheCount)p);
+    else
+      for_triangles(&view, target, &rule, visit_surface);
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus add_volume(LitheCtx *ctx, const LoadTarget *target, double *f) {
+  const LthDgSpace *space = target->space;
+  const LthMesh *mesh = space->mesh;
+  LthSimplexRule rule;
+  LITHE_TRY(lth_simplex_rule(ctx, 3, load_degree(space, target->load), &rule));
+  bool constant = is_constant(target->load);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < space->n_cells; c++) {
+    LoadTarget cell = *target;
+    cell.cell = c;
+    cell.f = f + 3 * (LitheCount)space->func_off[c];
+    if (constant) { // phi_i has no mean for i > 0
+      double force[3];
+      density_at(&cell, space->center + 3 * (LitheCount)c, force);
+      lth_v3_axpy(mesh->cell_volume[c], force, cell.f);
+      continue;
+    }
+    for (LitheIndex k = mesh->cell_face_off[c]; k < mesh->cell_face_off[c + 1]; k++) {
+      LitheIndex face = mesh->cell_face[k];
+      LthFaceView view = lth_mesh_face(mesh, face);
+      cell.normal = view.normal;
+      cell.factor = lth_mesh_side(mesh, face, c);
+      for_triangles(&view, &cell, &rule, visit_volume);
+    }
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_dg_add_load(LitheCtx *ctx, const LthDgSpace *space, const LthLoad *load, double t,
+                            const double *x, double *f) {
+  LoadTarget target = {.space = space, .load = load, .x = x, .t = t, .factor = 1};
+  if (load->kind == LTH_LOAD_BODY_FORCE) return add_volume(ctx, &target, f);
+  return add_boundary(ctx, &target, f);
+}
+
+void lth_dg_add_gravity(const LthDgSpace *space, const double *density, const double gravity[3],
+                        double *f) {
+  for (LitheIndex c = 0; c < space->n_cells; c++)
+    lth_v3_axpy(density[c] * space->mesh->cell_volume[c], gravity,
+                f + 3 * (LitheCount)space->func_off[c]);
+}
+
+void lth_dg_mass(const LthDgSpace *space, const double *density, double *mass) {
+  for (LitheIndex c = 0; c < space->n_cells; c++)
+    for (LitheIndex i = space->func_off[c]; i < space->func_off[c + 1]; i++)
+      mass[i] = density[c] * space->mesh->cell_volume[c];
+}

@@ -1,0 +1,194 @@
+/// The open operator, shared by the dg_*.c files of this folder.
+#pragma once
+
+#include "base/tensor.h"
+#include "disc/dg/dg_operator.h"
+
+#define LTH_DG_MAX_LOWER 20  ///< lth_monomials3(LTH_DG_MAX_DEGREE - 1)
+#define LTH_DG_MAX_TRACE 15  ///< lth_monomials2(LTH_DG_MAX_DEGREE)
+#define LTH_DG_MAX_TRACE2 45 ///< lth_monomials2(2 LTH_DG_MAX_DEGREE)
+
+/// Compile a hot function for wider vectors too; the loader picks one.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) &&    \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define LTH_DG_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define LTH_DG_CLONES
+#endif
+
+/// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, once on
+/// the whole jump (`full`) and once more on its mean over the face (`mean`). Units [Pa/m].
+typedef struct LthDgPenalty {
+  double full_iso, full_normal[2];
+  double mean_iso, mean_normal[2];
+} LthDgPenalty;
+
+/// An inner face. Faces are ordered by (cell[0], cell[1]), so that the faces of a pair are neighbours.
+/// Tables, one after the other in face_data, n_s = functions of cell[s]:
+///   mass[0]  (n_0 x n_0)      int phi+_i phi+_j
+///   mass[1]  (n_1 x n_1)      int phi-_i phi-_j
+///   mixed    (n_0 x n_1)      -int phi+_i phi-_j           (a product of two jumps)
+///   slope[1] (3 x n_0 x n_1)   int [phi+_i] d_b phi-_j     IP only
+///   slope[0] (3 x n_0 x n_1)   int [phi-_j] d_b phi+_i     IP only
+typedef struct LthDgFace {
+  LitheIndex face;    ///< of the mesh
+  LitheIndex cell[2]; ///< owner (+), neighbour (-)
+  double normal[3];   ///< out of the owner
+  double area;
+  LthDgPenalty penalty;
+  LitheCount table;
+} LthDgFace;
+
+/// Where an inner face meets a cell.
+typedef struct LthDgSide {
+  LitheIndex face; ///< index into LthDgOperator.faces
+  int side;        ///< 0: the cell is the owner
+} LthDgSide;
+
+/// Coplanar pieces of one hold. Tables in group_data: mass (nb x nb), int phi_i phi_j over the pieces,
+/// and rest (nb x 3), int phi_i X. Points of varying data in point_data: x, weight, phi (4 + nb each).
+typedef struct LthDgGroup {
+  double normal[3], area;
+  LthDgPenalty penalty; ///< normal[1] unused
+  LitheCount table;
+  LitheCount first_point; ///< in doubles
+  LitheIndex n_points;
+} LthDgGroup;
+
+/// All of one constraint on one cell with the same projector P on the prescribed components. Where P is
+/// the identity its matrices are part of the cell's; else `table` in hold_data starts
+/// flux (nb x 3 x 3 x nb) and penalty (nb x 3 x 3 x nb), laid out as LthDgOperator.cell_data.
+typedef struct LthDgHold {
+  LitheIndex cell, constraint;
+  LitheIndex first_group, n_groups;
+  double P[9];
+  bool whole; ///< P = I
+  LitheCount table;
+} LthDgHold;
+
+struct LthDgOperator {
+  LitheCtx *ctx;
+  const LthDgSpace *space;
+  LthFlux flux;
+  LthPenaltyKind kind;
+  double eta;
+  bool warped;
+  double *lambda, *mu, *young; ///< per cell [Pa]
+  double *rotation;            ///< (n_cells x 9)
+  double *rest;                ///< X0 (n_dofs)
+
+  LitheCount *slope_off; ///< (n_cells + 1) into slope
+  double *slope;         ///< d_b phi_j = sum_l slope[b][j][l] phi_l, l below lth_monomials3(k - 1)
+
+  LitheCount *cell_off; ///< (n_cells + 1) into cell_data
+  double *cell_data;    ///< [i][a][b][j]: element, own flux and whole holds, unrotated
+  double *cell_load;    ///< own part of f0, unrotated (n_dofs)
+
+  LitheIndex n_faces;
+  LthDgFace *faces;
+  LitheIndex *own_face_off; ///< (n_cells + 1) faces whose owner is the cell
+  LitheIndex *side_off;     ///< (n_cells + 1)
+  LthDgSide *sides;
+  double *face_data;
+
+  LthWeakConstraint *weak;
+  LitheIndex n_weak, n_holds, n_groups;
+  LitheIndex *hold_off; ///< (n_cells + 1)
+  LthDgHold *holds;
+  LthDgGroup *groups;
+  double *hold_data, *group_data, *point_data;
+
+  double *partial; ///< one sum per cell (n_cells)
+  double penalty_min, penalty_max;
+};
+
+static inline int lth_dg_lower(const LthDgSpace *s, LitheIndex cell) {
+  return lth_monomials3(s->degree[cell] - 1);
+}
+
+static inline const double *lth_dg_slope(const LthDgOperator *op, LitheIndex cell) {
+  return op->slope + op->slope_off[cell];
+}
+
+/// Number of doubles of a face's tables, and their starts.
+typedef struct LthDgFaceTables {
+  double *mass[2], *mixed, *slope[2];
+} LthDgFaceTables;
+
+static inline LitheCount lth_dg_face_doubles(const LthDgOperator *op, const LthDgFace *face) {
+  LitheCount n0 = lth_dg_funcs(op->space, face->cell[0]),
+             n1 = lth_dg_funcs(op->space, face->cell[1]);
+  return n0 * n0 + n1 * n1 + n0 * n1 * (op->flux == LTH_FLUX_IP ? 7 : 1);
+}
+
+static inline LthDgFaceTables lth_dg_face_tables(const LthDgOperator *op, const LthDgFace *face) {
+  int n0 = lth_dg_funcs(op->space, face->cell[0]), n1 = lth_dg_funcs(op->space, face->cell[1]);
+  LthDgFaceTables t = {.mass[0] = op->face_data + face->table};
+  t.mass[1] = t.mass[0] + n0 * n0;
+  t.mixed = t.mass[1] + n1 * n1;
+  t.slope[1] = t.mixed + n0 * n1;
+  t.slope[0] = t.slope[1] + 3 * n0 * n1;
+  return t;
+}
+
+/// M = iso I + sum_s normal[s] n_s n_s^T, n_s = R_s n already rotated.
+static inline void lth_dg_penalty_matrix(double iso, const double normal[2], const double n0[3],
+                                         const double n1[3], double M[9]) {
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      M[3 * a + b] = (a == b ? iso : 0) + normal[0] * n0[a] * n0[b] + normal[1] * n1[a] * n1[b];
+}
+
+// dg_element.c
+
+/// Fill op->slope of a cell.
+void lth_dg_cell_slope(LthDgOperator *op, LitheIndex cell);
+
+/// Fill op->cell_data and op->cell_load of a cell: element, own flux terms and whole holds.
+void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell);
+
+/// block[i][a][b][j] += -w (lambda n_a g_b + mu (g_a n_b + delta_ab n.g)), g_ij = int phi_i grad phi_j from
+/// the face mass of the cell; n out of the cell (eq. 21, own side).
+void lth_dg_add_own_flux(const LthDgOperator *op, LitheIndex cell, double w, const double n[3],
+                         const double *mass, double *block);
+
+/// Stress coefficients S[l] (3x3 each) of sigma = sum_l S[l] phi_l for y = R^T x - X0.
+void lth_dg_stress_coefficients(const LthDgOperator *op, LitheIndex cell, const double *x,
+                                double *S);
+
+// dg_face.c
+
+/// mass += int_piece phi_i phi_j of a cell.
+void lth_dg_add_face_mass(const LthDgSpace *space, LitheIndex cell, const LthFaceView *piece,
+                          const double centroid[3], double *mass);
+
+/// mean += int_piece phi_i (nb).
+void lth_dg_add_face_mean(const LthDgSpace *space, LitheIndex cell, const LthFaceView *piece,
+                          const double centroid[3], double *mean);
+
+/// Inner faces in their order, their tables and who meets them.
+LitheStatus lth_dg_build_faces(LitheCtx *ctx, LthDgOperator *op);
+
+// dg_penalty.c
+
+void lth_dg_inner_penalty(const LthDgOperator *op, LthDgFace *face);
+
+/// `hold_area`: all pieces of the hold. `centroid`: of the group.
+void lth_dg_boundary_penalty(const LthDgOperator *op, LitheIndex cell, const double centroid[3],
+                             double hold_area, LthDgGroup *group);
+
+/// Find the smallest and largest penalty over (lambda + 2 mu) / h.
+void lth_dg_measure_penalty(LthDgOperator *op);
+
+// dg_constraint.c
+
+LitheStatus lth_dg_build_holds(LitheCtx *ctx, LthDgOperator *op);
+void lth_dg_free_holds(LitheCtx *ctx, LthDgOperator *op);
+
+/// int phi_i d over a group (nb x 3) at time t; d is the prescribed displacement, or the prescribed
+/// position where `absolute`. `square` (3x3, may be NULL): int d d^T of the displacement.
+void lth_dg_group_data(const LthDgOperator *op, const LthDgHold *hold, const LthDgGroup *group,
+                       double t, bool absolute, double *moments, double *square);
+
+/// f0 += the part of a hold (nb x 3).
+void lth_dg_hold_load(const LthDgOperator *op, const LthDgHold *hold, double t, double *f0);

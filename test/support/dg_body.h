@@ -1,0 +1,225 @@
+/// A small DG body for tests: mesh, space, operator, matrix, and dense linear algebra on it.
+#pragma once
+
+#include "check.h"
+
+#include "base/tensor.h"
+#include "disc/dg/dg_load.h"
+#include "disc/dg/dg_operator.h"
+
+#include <lapacke.h>
+#undef I
+#include <string.h>
+
+typedef struct TestBody {
+  LitheCtx *ctx;
+  LthMesh *mesh;
+  LthDgSpace *space;
+  LthDgOperator *op;
+  LthBlockMatrix *K;
+  double *x0, *x, *f0, *f, *r; ///< rest, position, loads, residual (n_dofs)
+  double *young, *poisson;     ///< (n_cells)
+  LthPatches *patches[4];      ///< of weak constraints and loads, freed with the body
+  LthWeakConstraint weak[4];
+  LthDgOperatorDef def;
+} TestBody;
+
+typedef bool (*TestWhere)(const double centroid[3], const double normal[3]);
+
+/// Whole boundary faces that `where` takes by centroid and normal.
+static inline LthPatches *test_patches(LitheCtx *ctx, const LthMesh *mesh, TestWhere where) {
+  LthPatches *p = lth_alloc(ctx, 1, sizeof *p);
+  LitheIndex n_loops = 0, n_corners = mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
+  p->face = lth_alloc(ctx, mesh->n_faces, sizeof *p->face);
+  p->loop_off_of = lth_alloc(ctx, mesh->n_faces + 1, sizeof *p->loop_off_of);
+  p->loop_off = lth_alloc(ctx, mesh->face_loop_off[mesh->n_faces] + 1, sizeof *p->loop_off);
+  p->loop_point = lth_alloc(ctx, n_corners, sizeof *p->loop_point);
+  p->points = lth_alloc(ctx, 3 * (LitheCount)n_corners, sizeof *p->points);
+  p->area = lth_alloc(ctx, mesh->n_faces, sizeof *p->area);
+  p->centroid = lth_alloc(ctx, 3 * (LitheCount)mesh->n_faces, sizeof *p->centroid);
+  for (LitheIndex f = 0; f < mesh->n_faces; f++) {
+    const double *c = mesh->face_centroid + 3 * f;
+    if (mesh->face_cell[2 * f + 1] >= 0 || !where(c, mesh->face_normal + 3 * f)) continue;
+    p->face[p->n] = f;
+    p->area[p->n] = mesh->face_area[f];
+    lth_v3_copy(c, p->centroid + 3 * p->n);
+    for (LitheIndex l = mesh->face_loop_off[f]; l < mesh->face_loop_off[f + 1]; l++) {
+      for (LitheIndex k = mesh->loop_off[l]; k < mesh->loop_off[l + 1]; k++) {
+        lth_v3_copy(mesh->points + 3 * mesh->loop_point[k], p->points + 3 * p->n_points);
+        p->loop_point[p->n_points] = p->n_points;
+        p->n_points++;
+      }
+      p->loop_off[++n_loops] = p->n_points;
+    }
+    p->loop_off_of[++p->n] = n_loops;
+  }
+  return p;
+}
+
+static inline void test_free_patches(LitheCtx *ctx, LthPatches *p) {
+  if (!p) return;
+  void *blocks[] = {p->face,   p->loop_off_of, p->loop_off, p->loop_point,
+                    p->points, p->area,        p->centroid, p};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+}
+
+static inline bool test_everywhere(const double c[3], const double n[3]) {
+  (void)c, (void)n;
+  return true;
+}
+static inline bool test_facing_down_x(const double c[3], const double n[3]) {
+  (void)c;
+  return n[0] < -0.999999;
+}
+static inline bool test_facing_up_x(const double c[3], const double n[3]) {
+  (void)c;
+  return n[0] > 0.999999;
+}
+static inline bool test_facing_down_z(const double c[3], const double n[3]) {
+  (void)c;
+  return n[2] < -0.999999;
+}
+
+typedef enum TestMesh { TEST_HEXAHEDRA, TEST_TETRAHEDRA } TestMesh;
+
+/// A body on a mesh, which it takes over: E = 1000, nu = 0.3, IP, penalty auto, not warped.
+static inline TestBody test_body_of(LitheCtx *ctx, LthMesh *mesh, int degree) {
+  TestBody b = {.ctx = ctx, .mesh = mesh};
+  CHECK_OK(b.ctx, lth_dg_space_create(b.ctx, b.mesh, degree, NULL, &b.space));
+  LitheCount n = b.space->n_dofs;
+  double **vectors[] = {&b.x0, &b.x, &b.f0, &b.f, &b.r};
+  for (int i = 0; i < 5; i++) *vectors[i] = lth_alloc(b.ctx, n, sizeof(double));
+  b.young = lth_alloc(b.ctx, b.space->n_cells, sizeof *b.young);
+  b.poisson = lth_alloc(b.ctx, b.space->n_cells, sizeof *b.poisson);
+  for (LitheIndex c = 0; c < b.space->n_cells; c++) b.young[c] = 1000, b.poisson[c] = 0.3;
+  lth_dg_rest(b.space, b.x0);
+  memcpy(b.x, b.x0, sizeof *b.x * (size_t)n);
+  b.def = (LthDgOperatorDef){.space = b.space, .young = b.young, .poisson = b.poisson, .eta = 10};
+  return b;
+}
+
+static inline TestBody test_body(TestMesh kind, LthGrid grid, int degree) {
+  LitheCtx *ctx = test_ctx();
+  LthMesh *mesh = NULL;
+  if (kind == TEST_HEXAHEDRA) CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &grid, &mesh));
+  if (kind == TEST_TETRAHEDRA) CHECK_OK(ctx, lth_mesh_tetrahedra(ctx, &grid, &mesh));
+  return test_body_of(ctx, mesh, degree);
+}
+
+/// Hold all components where `where` says; returns the constraint for more to be set.
+static inline LthWeakConstraint *test_hold(TestBody *b, TestWhere where) {
+  LitheIndex i = b->def.n_weak++;
+  b->patches[i] = test_patches(b->ctx, b->mesh, where);
+  b->weak[i] = (LthWeakConstraint){.patches = b->patches[i], .fixed = {true, true, true}};
+  return &b->weak[i];
+}
+
+/// Build the operator from b->def, and K and f0 at time t.
+static inline void test_assemble(TestBody *b, double t) {
+  if (!b->op) {
+    b->def.weak = b->weak;
+    CHECK_OK(b->ctx, lth_dg_operator_create(b->ctx, &b->def, &b->op));
+    CHECK_OK(b->ctx, lth_dg_matrix_create(b->ctx, b->op, &b->K));
+  }
+  lth_dg_assemble(b->op, t, b->K, b->f0);
+}
+
+static inline void test_body_free(TestBody *b) {
+  LitheCtx *ctx = b->ctx;
+  lth_dg_operator_destroy(ctx, &b->op);
+  lth_block_matrix_destroy(ctx, &b->K);
+  lth_dg_space_destroy(ctx, &b->space);
+  lth_mesh_destroy(ctx, &b->mesh);
+  for (int i = 0; i < 4; i++) test_free_patches(ctx, b->patches[i]);
+  double *blocks[] = {b->x0, b->x, b->f0, b->f, b->r, b->young, b->poisson};
+  for (int i = 0; i < 7; i++) lth_free(ctx, blocks[i]);
+  assert_int_equal(lth_alloc_bytes(ctx), 0);
+  lithe_ctx_destroy(&ctx);
+}
+
+/// r = K x - f0, the internal force.
+static inline void test_force(const TestBody *b, const double *x, double *r) {
+  lth_block_matrix_apply(b->K, lth_threads(b->ctx), x, r);
+  for (LitheCount i = 0; i < b->K->n; i++) r[i] -= b->f0[i];
+}
+
+static inline double test_norm(LitheCount n, const double *v) {
+  double sum = 0;
+  for (LitheCount i = 0; i < n; i++) sum += v[i] * v[i];
+  return sqrt(sum);
+}
+
+static inline double test_max(LitheCount n, const double *v) {
+  double max = 0;
+  for (LitheCount i = 0; i < n; i++) max = fmax(max, fabs(v[i]));
+  return max;
+}
+
+/// Largest |K| and |x|: forces are judged against their product.
+static inline double test_force_scale(const TestBody *b, const double *x) {
+  return test_max(b->K->value_off[b->K->block_off[b->K->n_rows]], b->K->values) *
+         test_max(b->K->n, x);
+}
+
+/// K as a dense matrix (n x n).
+static inline double *test_dense(const TestBody *b) {
+  const LthBlockMatrix *K = b->K;
+  double *A = lth_alloc(b->ctx, K->n * K->n, sizeof *A);
+  for (LitheIndex r = 0; r < K->n_rows; r++)
+    for (LitheCount e = K->block_off[r]; e < K->block_off[r + 1]; e++) {
+      LitheIndex c = K->block_col[e];
+      LitheCount rows = K->row_off[r + 1] - K->row_off[r], cols = K->row_off[c + 1] - K->row_off[c];
+      for (LitheCount i = 0; i < rows; i++)
+        for (LitheCount j = 0; j < cols; j++)
+          A[(K->row_off[r] + i) * K->n + K->row_off[c] + j] =
+              K->values[K->value_off[e] + i * cols + j];
+    }
+  return A;
+}
+
+/// x = K^-1 (f + f0) by dense Cholesky.
+static inline void test_solve(TestBody *b) {
+  double *A = test_dense(b);
+  for (LitheCount i = 0; i < b->K->n; i++) b->x[i] = b->f[i] + b->f0[i];
+  int n = (int)b->K->n;
+  assert_int_equal(LAPACKE_dposv(LAPACK_ROW_MAJOR, 'L', n, 1, A, n, b->x, 1), 0);
+  lth_free(b->ctx, A);
+}
+
+/// Smallest and largest eigenvalue of K.
+static inline void test_eigenvalues(const TestBody *b, double *min, double *max) {
+  double *A = test_dense(b), *w = lth_alloc(b->ctx, b->K->n, sizeof *w);
+  int n = (int)b->K->n;
+  assert_int_equal(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'L', n, A, n, w), 0);
+  *min = w[0], *max = w[n - 1];
+  lth_free(b->ctx, A);
+  lth_free(b->ctx, w);
+}
+
+/// A field of the space from a function of place, exact for its polynomials.
+typedef void (*TestField)(const void *self, const double x[3], double value[3]);
+static inline void test_project(const TestBody *b, TestField field, const void *self,
+                                double *coef) {
+  CHECK_OK(b->ctx, lth_dg_project(b->ctx, b->space, field, self, 8, coef));
+}
+
+/// A rotation about (1, 2, 3) by `angle`.
+static inline void test_rotation(double angle, double R[9]) {
+  double k[3] = {1 / sqrt(14), 2 / sqrt(14), 3 / sqrt(14)}, c = cos(angle), s = sin(angle);
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) R[3 * a + b] = (1 - c) * k[a] * k[b] + (a == b ? c : 0);
+  R[1] -= s * k[2], R[2] += s * k[1], R[3] += s * k[2];
+  R[5] -= s * k[0], R[6] -= s * k[1], R[7] += s * k[0];
+}
+
+/// coef -> A coef (+ b on the constants): an affine map of positions.
+static inline void test_affine(const TestBody *b, const double A[9], const double shift[3],
+                               const double *from, double *to) {
+  for (LitheIndex c = 0; c < b->space->n_cells; c++)
+    for (LitheIndex i = b->space->func_off[c]; i < b->space->func_off[c + 1]; i++) {
+      double v[3];
+      lth_m3_apply(A, from + 3 * (LitheCount)i, v);
+      if (i == b->space->func_off[c]) lth_v3_add(v, shift, v);
+      lth_v3_copy(v, to + 3 * (LitheCount)i);
+    }
+}
