@@ -192,7 +192,8 @@ LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, cons
   memcpy(part + strlen(path), suffix, sizeof suffix);
   file = fopen(part, "w");
   if (!file) {
-    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot open for writing: %s", part, strerror(errno));
+    status =
+        lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot open for writing: %s", part, strerror(errno));
     goto done;
   }
   write_lower(A, file);

@@ -11,20 +11,25 @@
 typedef struct LthBodyDef {
   const LthDgSpace *space;
   LthDgOperator *op;
-  const double *density;       ///< per cell [kg/m^3]
+  const double *density; ///< per cell [kg/m^3]
   double damping_mass, damping_stiffness;
   double gravity[3];
   const LthLoad *loads;
   LitheIndex n_loads;
-  const uint8_t *strong;       ///< per cell: moves as prescribed, or NULL (n_cells)
-  LitheStatus (*prescribe)(const void *self, double t, double *x); ///< writes the coefficients of all
-                               ///< strong cells at time t; others untouched
+  const uint8_t *strong; ///< per cell: moves as prescribed, or NULL (n_cells)
+  LitheStatus (*prescribe)(const void *self, double t,
+                           double *x); ///< writes the coefficients of all
+                                       ///< strong cells at time t; others untouched
   const void *prescribe_self;
-  LthContact *contact;         ///< or NULL
-  bool warped;                 ///< corotated: static solves iterate rotations
+  LthContact *contact; ///< or NULL
+  bool warped;         ///< corotated: static solves iterate rotations
 } LthBodyDef;
 
-typedef enum LthLinearChoice { LTH_LINEAR_AUTO, LTH_LINEAR_CHOLESKY, LTH_LINEAR_PCG } LthLinearChoice;
+typedef enum LthLinearChoice {
+  LTH_LINEAR_AUTO,
+  LTH_LINEAR_CHOLESKY,
+  LTH_LINEAR_PCG
+} LthLinearChoice;
 
 typedef struct LthStepOptions {
   LthLinearChoice linear;
@@ -32,31 +37,31 @@ typedef struct LthStepOptions {
   LitheIndex max_iterations; ///< of PCG; 0: 10 sqrt(n) + 1000
   double newton_tolerance;   ///< relative residual of static equilibrium
   LitheIndex newton_iterations;
-  double memory_limit;       ///< bytes that `auto` may plan for; 0: three quarters of the machine's
+  double memory_limit; ///< bytes that `auto` may plan for; 0: three quarters of the machine's
 } LthStepOptions;
 
 LthStepOptions lth_step_options_default(void);
 
 /// Running totals and the last step's figures.
 typedef struct LthStepReport {
-  bool converged;              ///< all solves so far
-  const char *linear;          ///< "cholesky" or "pcg"
-  const char *linear_reason;   ///< why `auto` took it
+  bool converged;                                  ///< all solves so far
+  const char *linear;                              ///< "cholesky" or "pcg"
+  const char *linear_reason;                       ///< why `auto` took it
   LitheIndex linear_iterations, newton_iterations; ///< of the last step
-  LitheCount linear_total;     ///< of the whole run
-  double residual;             ///< of the last step
-  double strain_energy, kinetic_energy, work; ///< [J]
+  LitheCount linear_total;                         ///< of the whole run
+  double residual;                                 ///< of the last step
+  double strain_energy, kinetic_energy, work;      ///< [J]
   double momentum[3], angular_momentum[3];
   LitheIndex contacts;
-  double penetration;          ///< [m]
+  double penetration;                            ///< [m]
   double time_assemble, time_factor, time_solve; ///< [s] in total
 } LthStepReport;
 
 typedef struct LthSimulation LthSimulation;
 
 /// Start at rest; x = X0. Sets up matrices, solvers and scratch, so that steps allocate nothing.
-LitheStatus lth_simulation_create(LitheCtx *ctx, const LthBodyDef *body, const LthStepOptions *options,
-                                  LthSimulation **sim);
+LitheStatus lth_simulation_create(LitheCtx *ctx, const LthBodyDef *body,
+                                  const LthStepOptions *options, LthSimulation **sim);
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
 
 /// Coefficients: position, velocity (n_dofs each), lent until the next call. Writable by owners that

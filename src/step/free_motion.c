@@ -1,0 +1,262 @@
+/// Rigid motions that no constraint resists: the null space of K on the six of every connected part.
+#include "step/free_motion.h"
+
+#include "base/tensor.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define NOTHING 1e-16 // squared force of a unit motion over squared stiffness: rounding gives 1e-28
+#define SAME 1e-3     // how exactly an axis must fit to be called x, y or z
+
+/// One connected part of the body.
+typedef struct Part {
+  double center[3], size; // [m]
+  double gram[36];        // sum over its unknowns of (K r_a)(K r_b) / stiffness^2
+  bool held;
+  LitheIndex first; // cell
+  LitheIndex count;
+  LitheCount rows;
+} Part;
+
+static LitheIndex root(LitheIndex *parent, LitheIndex c) {
+  while (parent[c] != c) c = parent[c] = parent[parent[c]];
+  return c;
+}
+
+/// Number of connected parts; part_of[c] is the part of cell c. Cells couple through inner faces.
+static LitheIndex find_parts(const LthMesh *mesh, LitheIndex *part_of) {
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = c;
+  for (LitheIndex f = 0; f < mesh->n_faces; f++) {
+    if (mesh->face_cell[2 * f + 1] < 0) continue;
+    LitheIndex a = root(part_of, mesh->face_cell[2 * f]),
+               b = root(part_of, mesh->face_cell[2 * f + 1]);
+    part_of[a > b ? a : b] = a > b ? b : a;
+  }
+  // the root of a part is its lowest cell: number parts as their roots come
+  LitheIndex n = 0;
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = root(part_of, c);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+    part_of[c] = part_of[c] == c ? -1 - n++ : part_of[part_of[c]];
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = -1 - part_of[c];
+  return n;
+}
+
+static void measure_parts(const LthMesh *mesh, const LitheIndex *part_of, const uint8_t *strong,
+                          LitheIndex n, Part *parts) {
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
+    Part *p = &parts[part_of[c]];
+    if (p->count++ == 0) p->first = c;
+    lth_v3_add(p->center, mesh->cell_centroid + 3 * (size_t)c, p->center);
+    p->held |= strong && strong[c];
+  }
+  for (LitheIndex i = 0; i < n; i++) lth_v3_scale(1 / (double)parts[i].count, parts[i].center);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
+    Part *p = &parts[part_of[c]];
+    const double *box = mesh->cell_box + 6 * (size_t)c;
+    for (int a = 0; a < 3; a++)
+      p->size = fmax(p->size, fmax(box[3 + a] - p->center[a], p->center[a] - box[a]));
+  }
+}
+
+/// Coefficients of motion 0-2 (translations) or 3-5 (rotations, of size one at the part's rim), from
+/// those of the rest positions: both are linear in the place.
+static void rigid_motion(const LthDgSpace *space, const LitheIndex *part_of, const Part *parts,
+                         int mode, const double *rest, double *r) {
+  for (LitheIndex c = 0; c < space->n_cells; c++) {
+    const Part *p = &parts[part_of[c]];
+    for (LitheIndex i = space->func_off[c]; i < space->func_off[c + 1]; i++) {
+      double constant = i == space->func_off[c], x[3], *v = r + 3 * (LitheCount)i;
+      for (int a = 0; a < 3; a++) x[a] = rest[3 * (LitheCount)i + a] - constant * p->center[a];
+      memset(v, 0, 3 * sizeof *v);
+      if (mode < 3) {
+        v[mode] = constant;
+      } else {
+        int b = (mode - 3 + 1) % 3, d = (mode - 3 + 2) % 3;
+        v[b] = -x[d] / p->size;
+        v[d] = x[b] / p->size;
+      }
+    }
+  }
+}
+
+/// Sum of |K_ij| over a row: what K could do to a motion of size one.
+static void row_stiffness(const LthBlockMatrix *K, double *sum) {
+  for (LitheIndex row = 0; row < K->n_rows; row++)
+    for (LitheCount e = K->block_off[row]; e < K->block_off[row + 1]; e++) {
+      LitheIndex col = K->block_col[e];
+      LitheCount m = K->row_off[row + 1] - K->row_off[row],
+                 n = K->row_off[col + 1] - K->row_off[col];
+      for (LitheCount k = 0; k < m * n; k++)
+        sum[K->row_off[row] + k / n] += fabs(K->values[K->value_off[e] + k]);
+    }
+}
+
+static void add_gram(const LthBlockMatrix *K, const LitheIndex *part_of, const double *stiffness,
+                     double *const force[6], Part *parts) {
+  for (LitheIndex c = 0; c < K->n_rows; c++) {
+    double *gram = parts[part_of[c]].gram;
+    for (LitheCount i = K->row_off[c]; i < K->row_off[c + 1]; i++)
+      for (int a = 0; a < 6 && stiffness[i] > 0; a++)
+        for (int b = 0; b < 6; b++)
+          gram[6 * a + b] += force[a][i] / stiffness[i] * (force[b][i] / stiffness[i]);
+  }
+}
+
+/// Eigenvalues and vectors (columns of V) of a symmetric 6x6 matrix by Jacobi rotations.
+static void eigen6(double A[36], double V[36]) {
+  for (int i = 0; i < 36; i++) V[i] = i % 7 == 0;
+  for (int sweep = 0; sweep < 30; sweep++)
+    for (int p = 0; p < 6; p++)
+      for (int q = p + 1; q < 6; q++) {
+        if (A[6 * p + q] == 0) continue;
+        double theta = (A[7 * q] - A[7 * p]) / (2 * A[6 * p + q]);
+        double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
+        double c = 1 / sqrt(t * t + 1), s = t * c;
+        for (int k = 0; k < 6; k++) {
+          double kp = A[6 * k + p], kq = A[6 * k + q];
+          A[6 * k + p] = c * kp - s * kq, A[6 * k + q] = s * kp + c * kq;
+          double vp = V[6 * k + p], vq = V[6 * k + q];
+          V[6 * k + p] = c * vp - s * vq, V[6 * k + q] = s * vp + c * vq;
+        }
+        for (int k = 0; k < 6; k++) {
+          double pk = A[6 * p + k], qk = A[6 * q + k];
+          A[6 * p + k] = c * pk - s * qk, A[6 * q + k] = s * pk + c * qk;
+        }
+      }
+}
+
+static void append(char text[LTH_FREE_MOTION_TEXT], const char *more) {
+  size_t length = strlen(text);
+  snprintf(text + length, LTH_FREE_MOTION_TEXT - length, "%s%s", length ? ", " : "", more);
+}
+
+/// "x", "y", "z" or "(a, b, c)".
+static void name_axis(const double axis[3], char name[64]) {
+  for (int a = 0; a < 3; a++)
+    if (fabs(axis[a]) > 1 - SAME * SAME) {
+      snprintf(name, 64, "%c", 'x' + a);
+      return;
+    }
+  snprintf(name, 64, "(%.3g, %.3g, %.3g)", axis[0], axis[1], axis[2]);
+}
+
+/// Motion q = (translation, rotation) of a part in words.
+static void describe(const Part *p, const double q[6], char text[LTH_FREE_MOTION_TEXT]) {
+  double axis[3], shift[3];
+  char name[64], words[192];
+  lth_v3_copy(q + 3, axis);
+  double turn = lth_v3_normalize(axis);
+  if (turn < SAME) {
+    lth_v3_copy(q, axis);
+    lth_v3_normalize(axis);
+    name_axis(axis, name);
+    snprintf(words, sizeof words, "translation along %s", name);
+  } else {
+    // velocity t + w x (x - c), w = turn axis / size, vanishes across the axis at c + w x t / |w|^2
+    name_axis(axis, name);
+    lth_v3_cross(axis, q, shift);
+    lth_v3_scale(p->size / turn, shift);
+    lth_v3_add(shift, p->center, shift);
+    snprintf(words, sizeof words, "rotation about %s through (%.4g, %.4g, %.4g)", name, shift[0],
+             shift[1], shift[2]);
+  }
+  append(text, words);
+}
+
+/// Take direction q out of the projector N onto the null space (N := N - N q q^T N / q^T N q).
+static void take_out(double N[36], const double q[6]) {
+  double Nq[6] = {0}, along = 0;
+  for (int i = 0; i < 6; i++)
+    for (int j = 0; j < 6; j++) Nq[i] += N[6 * i + j] * q[j];
+  for (int i = 0; i < 6; i++) along += q[i] * Nq[i];
+  for (int i = 0; i < 36; i++) N[i] -= Nq[i / 6] * Nq[i % 6] / along;
+}
+
+/// Number of free motions of a part, named: first translations, then pure rotations about the axes
+/// through the centre, then whatever is left.
+static int name_free_motions(const Part *p, char text[LTH_FREE_MOTION_TEXT]) {
+  double A[36], V[36], N[36] = {0};
+  int count = 0;
+  memcpy(A, p->gram, sizeof A);
+  eigen6(A, V);
+  for (int k = 0; k < 6; k++) {
+    if (A[7 * k] > NOTHING * (double)p->rows) continue;
+    count++;
+    for (int i = 0; i < 36; i++) N[i] += V[6 * (i / 6) + k] * V[6 * (i % 6) + k];
+  }
+  int named = 0;
+  for (int k = 0; k < 6; k++) {
+    double q[6] = {0};
+    q[k] = 1;
+    if (N[7 * k] < 1 - SAME * SAME) continue;
+    describe(p, q, text);
+    take_out(N, q);
+    named++;
+  }
+  for (; named < count; named++) {
+    int column = 0;
+    for (int k = 1; k < 6; k++)
+      if (N[7 * k] > N[7 * column]) column = k;
+    double q[6], norm = sqrt(N[7 * column]);
+    for (int i = 0; i < 6; i++) q[i] = N[6 * i + column] / norm;
+    describe(p, q, text);
+    take_out(N, q);
+  }
+  return count;
+}
+
+static void summarize(Part *parts, LitheIndex n, LthFreeMotions *result) {
+  *result = (LthFreeMotions){.n_components = n, .first = -1};
+  for (LitheIndex i = 0; i < n; i++) {
+    char text[LTH_FREE_MOTION_TEXT] = "";
+    if (parts[i].held) continue;
+    int count = name_free_motions(&parts[i], text);
+    if (count == 0) continue;
+    if (result->n_free++ > 0) continue;
+    result->first = parts[i].first;
+    result->count = count;
+    memcpy(result->text, text, sizeof text);
+  }
+}
+
+LitheStatus lth_free_motions(LitheCtx *ctx, LthDgOperator *op, const LthDgSpace *space,
+                             const uint8_t *strong, LthFreeMotions *result) {
+  LitheStatus status = LITHE_OK;
+  LthBlockMatrix *K = NULL;
+  LitheIndex *part_of = NULL;
+  Part *parts = NULL;
+  double *rest = NULL, *motion = NULL, *stiffness = NULL, *force[6] = {0};
+  LTH_NEW_OR(done, ctx, part_of, space->n_cells);
+  LitheIndex n = find_parts(space->mesh, part_of);
+  LTH_NEW_OR(done, ctx, parts, n);
+  measure_parts(space->mesh, part_of, strong, n, parts);
+  LTH_NEW_OR(done, ctx, rest, space->n_dofs);
+  LTH_NEW_OR(done, ctx, motion, space->n_dofs);
+  LTH_NEW_OR(done, ctx, stiffness, space->n_dofs);
+  for (int a = 0; a < 6; a++) LTH_NEW_OR(done, ctx, force[a], space->n_dofs);
+
+  LITHE_TRY_OR(done, lth_dg_matrix_create(ctx, op, &K));
+  lth_dg_reset_rotations(op);
+  lth_dg_assemble(op, 0, K, motion);
+  lth_dg_rest(space, rest);
+  row_stiffness(K, stiffness);
+  for (int a = 0; a < 6; a++) {
+    rigid_motion(space, part_of, parts, a, rest, motion);
+    lth_block_matrix_apply(K, lth_threads(ctx), motion, force[a]);
+  }
+  for (LitheIndex c = 0; c < space->n_cells; c++)
+    parts[part_of[c]].rows += K->row_off[c + 1] - K->row_off[c];
+  add_gram(K, part_of, stiffness, force, parts);
+  summarize(parts, n, result);
+done:
+  lth_block_matrix_destroy(ctx, &K);
+  lth_free(ctx, part_of);
+  lth_free(ctx, parts);
+  lth_free(ctx, rest);
+  lth_free(ctx, motion);
+  lth_free(ctx, stiffness);
+  for (int a = 0; a < 6; a++) lth_free(ctx, force[a]);
+  return status;
+}

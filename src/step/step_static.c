@@ -1,0 +1,205 @@
+/// Equilibrium of linear and corotated bodies: fixed point over rotations, damped where that fails
+/// (docs/theory/stepping.md).
+#include "step/simulation_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+#define PLAIN_WINDOW 12      // iterations in which the plain fixed point must halve its residual
+#define INNER_TOLERANCE 1e-3 // of PCG within a rotation iteration
+#define ROUNDING (64 * 0x1p-53)
+#define DAMPING_START 1e-2 // c M over the diagonal of K
+#define DAMPING_GROWTH 4
+#define DAMPING_LOWEST 1e-10
+
+/// Where an equilibrium search stands.
+typedef struct Search {
+  double t;
+  double residual; // |f_ext - f_int + contact| over cells that are free [N]
+  double scale;    // size of the forces that balance [N]
+  double floor;    // residual that rounding leaves [N]
+  double damping;  // c of c M + K [1/s^2], 0: plain
+  double best;     // smallest residual so far, its state in s->best
+} Search;
+
+/// Size of the diagonal of K per mass [1/s^2]: what c is measured in.
+static double stiffness_per_mass(const LthSimulation *s) {
+  double stiffness = 0, mass = 0;
+  for (LitheIndex row = 0; row < s->A->n_rows; row++) {
+    LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row];
+    const double *B = s->A->values + s->A->value_off[s->A->diagonal[row]];
+    for (LitheCount i = 0; i < m; i++) {
+      stiffness += fabs(B[i * m + i]);
+      mass += s->mass[s->body.space->func_off[row] + i / 3];
+    }
+  }
+  return mass > 0 ? stiffness / mass : 0;
+}
+
+static void clear_strong(const LthSimulation *s, double *y) {
+  for (LitheIndex cell = 0; s->has_strong && cell < s->A->n_rows; cell++)
+    for (LitheCount i = lth_cell_first(s, cell);
+         lth_is_strong(s, cell) && i < lth_cell_first(s, cell + 1); i++)
+      y[i] = 0;
+}
+
+/// Contact at rest, as a step of length one that ends at t: its forces then come unscaled.
+static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, double t, double *f) {
+  LitheIndex n_active = 0;
+  s->contact_on = false;
+  if (!s->body.contact) return LITHE_OK;
+  lth_simulation_displacement(s);
+  LITHE_TRY(lth_contact_detect(ctx, s->body.contact, t - 1, 1, s->u, s->v, &n_active));
+  s->contact_on = n_active > 0;
+  if (s->contact_on) lth_contact_add_rhs(s->body.contact, f);
+  return LITHE_OK;
+}
+
+/// The forces that balance: external ones, those that hold strong cells, and those that hold or stretch
+/// the body elsewhere (2 W / |u| is a lower bound of the inner forces' size).
+static double force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held, double contact) {
+  double scale = fmax(fmax(lth_step_norm(ctx, s->n, s->f_ext), held), contact);
+  double u = lth_step_norm(ctx, s->n, lth_simulation_displacement(s));
+  if (u > 0) scale = fmax(scale, 2 * fabs(lth_dg_energy(s->body.op, t, s->x)) / u);
+  return scale;
+}
+
+/// Assemble at the present state and measure how far it is from equilibrium.
+static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
+  LITHE_TRY(lth_step_assemble(ctx, s, q->t));
+  LITHE_TRY(lth_step_drive(ctx, s, q->t, 1));
+  memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
+  LITHE_TRY(contact_force(ctx, s, q->t, s->rhs));
+  double contact = lth_step_norm(ctx, s->n, s->rhs);
+  double all = lth_step_norm(ctx, s->n, s->force);
+
+  for (LitheCount i = 0; i < s->n; i++) s->rhs[i] += s->force[i];
+  clear_strong(s, s->rhs);
+  q->residual = lth_step_norm(ctx, s->n, s->rhs);
+  double held = s->has_strong ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
+  q->scale = force_scale(ctx, s, q->t, held, contact);
+  q->floor = ROUNDING * (lth_step_norm(ctx, s->n, s->f0) + contact);
+  s->report.residual = q->scale > 0 ? q->residual / q->scale : q->residual;
+  return LITHE_OK;
+}
+
+static bool is_balanced(const LthSimulation *s, const Search *q) {
+  return q->residual <= s->options.newton_tolerance * q->scale || q->residual <= q->floor;
+}
+
+/// x += the solution of (c M + K) dx = force.
+static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, bool plain,
+                           double tolerance) {
+  memcpy(s->base, s->force, sizeof *s->base * (size_t)s->n);
+  lth_step_combine(ctx, s, q->damping, 1);
+  lth_step_constrain(ctx, s);
+  // the matrix of a linear body stays: so does its factor
+  bool same = !s->body.warped && q->damping == 0 && s->report.newton_iterations > 0;
+  if (!same) LITHE_TRY(lth_step_factor(ctx, s));
+  memset(s->solution, 0, sizeof *s->solution * (size_t)s->n);
+  LITHE_TRY(lth_step_solve(ctx, s, tolerance));
+  if (plain)
+    lth_anderson_step(s->anderson, lth_threads(ctx), s->solution, s->x);
+  else
+    for (LitheCount i = 0; i < s->n; i++) s->x[i] += s->solution[i];
+  return LITHE_OK;
+}
+
+static void keep_best(LthSimulation *s, Search *q) {
+  if (!(q->residual < q->best)) return;
+  q->best = q->residual;
+  memcpy(s->best, s->x, sizeof *s->x * (size_t)s->n);
+}
+
+/// Next c of a damped search: less where the residual falls, more where it grows (switched evolution
+/// relaxation, Mulder and van Leer 1985).
+static void adapt_damping(Search *q, double before, double unit) {
+  double ratio = fmin(fmax(q->residual / before, 0.1), DAMPING_GROWTH);
+  q->damping *= ratio < 1 ? ratio * ratio : 2 * ratio;
+  q->damping = fmin(fmax(q->damping, DAMPING_LOWEST * unit), unit);
+}
+
+/// One pass of the search. Ends balanced, out of iterations, or, where plain, as soon as the residual
+/// no longer halves within a window or the linear solver finds no way on.
+static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
+  double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
+  if (s->use_cholesky || !s->body.warped) inner = s->options.tolerance;
+  q->damping = 0;
+  *balanced = false;
+  lth_anderson_reset(s->anderson);
+  for (LitheIndex it = 0; it <= s->options.newton_iterations; it++) {
+    double before = q->residual;
+    LITHE_TRY(evaluate(ctx, s, q));
+    if (!isfinite(q->residual)) return LITHE_OK;
+    keep_best(s, q);
+    *balanced = is_balanced(s, q) && (it > 0 || !s->has_strong);
+    if (*balanced || it == s->options.newton_iterations) return LITHE_OK;
+    if (plain && it % PLAIN_WINDOW == PLAIN_WINDOW - 1) {
+      if (!(q->best < 0.5 * window_start)) return LITHE_OK;
+      window_start = q->best;
+    }
+    if (!plain && it == 0) q->damping = DAMPING_START * (unit = stiffness_per_mass(s));
+    if (!plain && it > 0) adapt_damping(q, before, unit);
+    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    LitheStatus status = correct(ctx, s, q, plain, inner);
+    if (status == LITHE_NOT_CONVERGED && plain && s->body.warped) return LITHE_OK;
+    LITHE_TRY(status);
+    s->report.newton_iterations++;
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
+  if (s->best) return LITHE_OK;
+  LTH_NEW(ctx, s->start, s->n);
+  LTH_NEW(ctx, s->f_before, s->n);
+  LTH_NEW(ctx, s->best, s->n);
+  LITHE_TRY(lth_anderson_create(ctx, s->n, &s->anderson));
+  return LITHE_OK;
+}
+
+/// Work as if the loads had grown slowly from those of the last equilibrium.
+static void add_work(LthSimulation *s) {
+  double work = 0;
+  for (LitheCount i = 0; i < s->n; i++)
+    work += 0.5 * (s->f_before[i] + s->f_ext[i]) * (s->x[i] - s->start[i]);
+  s->report.work += work;
+}
+
+/// The accelerated fixed point from where the body is; where that fails damped from there, and then the
+/// fixed point again from the best state seen.
+static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool *balanced) {
+  const size_t bytes = sizeof *s->x * (size_t)s->n;
+  *balanced = false;
+  if (!s->body.contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  if (*balanced || (!s->body.warped && !s->body.contact)) return LITHE_OK;
+  memcpy(s->x, s->start, bytes);
+  LITHE_TRY(search(ctx, s, q, false, balanced));
+  if (*balanced) return LITHE_OK;
+  memcpy(s->x, s->best, bytes);
+  if (!s->body.contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  if (*balanced) return LITHE_OK;
+  memcpy(s->x, s->best, bytes);
+  return evaluate(ctx, s, q);
+}
+
+LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t) {
+  bool balanced = false, before = s->report.converged;
+  Search q = {.t = t, .best = INFINITY};
+  const size_t bytes = sizeof *s->x * (size_t)s->n;
+  LITHE_TRY(allocate(ctx, s));
+  memcpy(s->start, s->x, bytes);
+  memcpy(s->f_before, s->f_ext, bytes);
+  memset(s->v, 0, bytes);
+  s->report.newton_iterations = 0;
+  LITHE_TRY(lth_step_choose(ctx, s, true));
+  LITHE_TRY(find_balance(ctx, s, &q, &balanced));
+  s->report.converged = before && balanced;
+  s->t = t;
+  add_work(s);
+  if (s->body.contact) {
+    double force;
+    lth_contact_report(s->body.contact, &s->report.contacts, &s->report.penetration, &force);
+  }
+  return LITHE_OK;
+}

@@ -1,0 +1,233 @@
+/// The linear system of a step: assembly, prescribed cells, contact, the choice of a solver, the solve.
+#include "step/simulation_priv.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+#include <unistd.h>
+
+#define CONTACT_PASSES 5             // solves of one step while the contact set changes
+#define CHOLESKY_MAX_UNKNOWNS 400000 // the analysis alone takes seconds beyond
+#define CHOLESKY_MAX_FLOPS 1e12      // about half a minute on one core
+
+double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y) {
+  return sqrt(lth_dot(lth_threads(ctx), n, y, y));
+}
+
+LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t) {
+  double start = lth_now();
+  lth_dg_update_rotations(s->body.op, s->x);
+  lth_dg_assemble(s->body.op, t, s->A, s->f0);
+  LITHE_TRY(lth_step_external_force(ctx, s, t));
+  lth_block_matrix_apply(s->A, lth_threads(ctx), s->x, s->force);
+  for (LitheCount i = 0; i < s->n; i++) s->force[i] = s->f_ext[i] + s->f0[i] - s->force[i];
+  s->report.time_assemble += lth_now() - start;
+  return LITHE_OK;
+}
+
+LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h) {
+  (void)ctx;
+  if (!s->has_strong) return LITHE_OK;
+  memcpy(s->scratch, s->x, sizeof *s->x * (size_t)s->n);
+  LITHE_TRY(s->body.prescribe(s->body.prescribe_self, t, s->scratch));
+  for (LitheIndex cell = 0; cell < s->A->n_rows; cell++)
+    for (LitheCount i = lth_cell_first(s, cell); i < lth_cell_first(s, cell + 1); i++)
+      s->driven[i] = lth_is_strong(s, cell) ? (s->scratch[i] - s->x[i]) / h : 0;
+  return LITHE_OK;
+}
+
+void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck) {
+  LthBlockMatrix *A = s->A;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex row = 0; row < A->n_rows; row++) {
+    LitheCount first = A->value_off[A->block_off[row]], last = A->value_off[A->block_off[row + 1]];
+    if (ck != 1)
+      for (LitheCount i = first; i < last; i++) A->values[i] *= ck;
+    LitheCount m = A->row_off[row + 1] - A->row_off[row];
+    double *B = A->values + A->value_off[A->diagonal[row]];
+    const double *mass = s->mass + s->body.space->func_off[row];
+    for (LitheCount i = 0; i < m; i++) B[i * m + i] += cm * mass[i / 3];
+  }
+}
+
+static void zero_strong(const LthSimulation *s, double *y) {
+  for (LitheIndex cell = 0; s->has_strong && cell < s->A->n_rows; cell++)
+    if (lth_is_strong(s, cell))
+      memset(y + lth_cell_first(s, cell), 0,
+             sizeof *y * (size_t)(lth_cell_first(s, cell + 1) - lth_cell_first(s, cell)));
+}
+
+static void constrain_row(LthSimulation *s, LitheIndex row) {
+  LthBlockMatrix *A = s->A;
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
+    if (lth_is_strong(s, row) || lth_is_strong(s, A->block_col[e]))
+      memset(A->values + A->value_off[e], 0,
+             sizeof *A->values * (size_t)(A->value_off[e + 1] - A->value_off[e]));
+  if (!lth_is_strong(s, row)) return;
+  LitheCount m = A->row_off[row + 1] - A->row_off[row];
+  double *B = A->values + A->value_off[A->diagonal[row]];
+  for (LitheCount i = 0; i < m; i++) B[i * m + i] = 1;
+}
+
+// Strong cells keep a right-hand side and a guess of zero, so that they weigh nothing in the norms of
+// the solver; their values are put in at the end.
+void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
+  if (!s->has_strong) return;
+  lth_block_matrix_apply(s->A, lth_threads(ctx), s->driven, s->scratch);
+  for (LitheCount i = 0; i < s->n; i++) s->base[i] -= s->scratch[i];
+  zero_strong(s, s->base);
+  for (LitheIndex row = 0; row < s->A->n_rows; row++) constrain_row(s, row);
+}
+
+static void apply_system(const void *self, int threads, const double *x, double *y) {
+  const LthSimulation *s = self;
+  lth_block_matrix_apply(s->A, threads, x, y);
+  if (!s->contact_on) return;
+  lth_contact_apply(s->body.contact, x, y);
+  zero_strong(s, y);
+}
+
+typedef struct Inverse {
+  LitheCtx *ctx;
+  const LthSimulation *s;
+} Inverse;
+
+static void apply_factor(const void *self, int threads, const double *x, double *y) {
+  const Inverse *inverse = self;
+  (void)threads;
+  if (inverse->s->engine->solve(inverse->ctx, inverse->s->factor, x, y) != LITHE_OK)
+    memcpy(y, x, sizeof *y * (size_t)inverse->s->n);
+}
+
+static LitheStatus analyse(LitheCtx *ctx, LthSimulation *s) {
+  if (s->factor) return LITHE_OK;
+  s->engine = lth_engine_find("cholesky");
+  if (!s->engine)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "solver.linear: this build has no sparse Cholesky; use pcg");
+  double start = lth_now();
+  LitheStatus status = s->engine->analyse(ctx, s->A, &s->factor);
+  s->report.time_factor += lth_now() - start;
+  return status;
+}
+
+static double memory_limit(const LthStepOptions *o) {
+  if (o->memory_limit > 0) return o->memory_limit;
+  return 0.75 * (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+}
+
+static const char *why_not_cholesky(LitheCtx *ctx, LthSimulation *s) {
+  if (s->n > CHOLESKY_MAX_UNKNOWNS) return "more than 400000 unknowns";
+  if (analyse(ctx, s) != LITHE_OK) return "the sparse Cholesky could not analyse the matrix";
+  double bytes, flops;
+  s->engine->predict(s->factor, &bytes, &flops);
+  if (bytes > memory_limit(&s->options)) return "the Cholesky factor would not fit in memory";
+  if (flops > CHOLESKY_MAX_FLOPS) return "the Cholesky factor would take more than 1e12 operations";
+  return NULL;
+}
+
+static LitheStatus take_cholesky(LitheCtx *ctx, LthSimulation *s, const char *reason) {
+  LITHE_TRY(analyse(ctx, s));
+  s->use_cholesky = true;
+  s->report.linear = "cholesky";
+  s->report.linear_reason = reason;
+  return LITHE_OK;
+}
+
+static void take_pcg(LthSimulation *s, const char *reason) {
+  s->use_cholesky = false;
+  s->report.linear = "pcg";
+  s->report.linear_reason = reason;
+}
+
+LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static) {
+  if (s->options.linear == LTH_LINEAR_CHOLESKY) return take_cholesky(ctx, s, "as asked");
+  if (s->options.linear == LTH_LINEAR_PCG) {
+    take_pcg(s, "as asked");
+    return LITHE_OK;
+  }
+  if (!is_static) {
+    take_pcg(s, "the matrix changes with every step and the mass keeps it well conditioned");
+    return LITHE_OK;
+  }
+  if (!s->static_chosen) {
+    const char *reason = why_not_cholesky(ctx, s);
+    s->static_chosen = true;
+    s->static_cholesky = !reason;
+    if (reason) take_pcg(s, reason);
+  }
+  if (s->static_cholesky) return take_cholesky(ctx, s, "the factor fits in memory");
+  s->use_cholesky = false;
+  return LITHE_OK;
+}
+
+LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s) {
+  double start = lth_now();
+  LitheStatus status = s->use_cholesky ? s->engine->factorize(ctx, s->factor, s->A)
+                                       : lth_block_jacobi_update(ctx, s->jacobi, s->A, NULL);
+  s->report.time_factor += lth_now() - start;
+  return status;
+}
+
+/// rhs = base plus contact; the preconditioner takes contact's diagonal in.
+static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
+  memcpy(s->rhs, s->base, sizeof *s->rhs * (size_t)s->n);
+  if (!s->contact_on) return LITHE_OK;
+  lth_contact_add_rhs(s->body.contact, s->rhs);
+  if (s->has_strong) { // rhs -= C driven
+    memset(s->scratch, 0, sizeof *s->scratch * (size_t)s->n);
+    lth_contact_apply(s->body.contact, s->driven, s->scratch);
+    for (LitheCount i = 0; i < s->n; i++) s->rhs[i] -= s->scratch[i];
+    zero_strong(s, s->rhs);
+  }
+  if (s->use_cholesky) return LITHE_OK;
+  memset(s->extra, 0, sizeof *s->extra * (size_t)s->n_extra);
+  lth_contact_add_diagonal(s->body.contact, s->body.space, s->extra);
+  LitheCount at = 0;
+  for (LitheIndex cell = 0; cell < s->A->n_rows; cell++) {
+    LitheCount m = s->A->row_off[cell + 1] - s->A->row_off[cell];
+    if (lth_is_strong(s, cell)) memset(s->extra + at, 0, sizeof *s->extra * (size_t)(m * m));
+    at += m * m;
+  }
+  return lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra);
+}
+
+static LthSolveReport solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance) {
+  Inverse inverse = {ctx, s};
+  LthOperator A = {.n = s->n, .apply = apply_system, .self = s};
+  LthOperator M = s->use_cholesky
+                      ? (LthOperator){.n = s->n, .apply = apply_factor, .self = &inverse}
+                      : lth_block_jacobi_operator(s->jacobi);
+  // the factor is exact but for rounding and contact: one or a few iterations
+  return lth_cg_solve(s->cg, lth_threads(ctx), &A, &M, s->rhs, s->solution, tolerance,
+                      s->options.max_iterations);
+}
+
+static void add_driven(const LthSimulation *s) {
+  for (LitheCount i = 0; s->has_strong && i < s->n; i++) s->solution[i] += s->driven[i];
+}
+
+LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
+  double start = lth_now();
+  bool converged = true;
+  s->report.linear_iterations = 0;
+  for (int pass = 0; pass < CONTACT_PASSES; pass++) {
+    LITHE_TRY(add_contact(ctx, s));
+    zero_strong(s, s->solution);
+    LthSolveReport r = solve_once(ctx, s, tolerance);
+    add_driven(s);
+    s->report.linear_iterations += r.iterations;
+    s->report.linear_total += r.iterations;
+    s->report.residual = r.residual;
+    converged = r.converged;
+    if (!isfinite(r.residual))
+      LITHE_FAIL(
+          ctx, LITHE_NOT_CONVERGED,
+          "the solution is no longer finite at t = %g s: take smaller steps or a softer load",
+          s->t);
+    if (!s->body.contact || !lth_contact_revise(s->body.contact, s->u, s->solution)) break;
+    s->contact_on = true;
+  }
+  s->report.converged &= converged;
+  s->report.time_solve += lth_now() - start;
+  return LITHE_OK;
+}
