@@ -1,5 +1,6 @@
 /// Moments of polyhedra and planar faces by Euler's theorem on homogeneous functions.
-/// Kaufmann et al. 2009, section 5; Mirtich 1996 for the reduction volume -> face -> edge.
+/// Kaufmann et al. 2009, section 5; Mirtich 1996 for the reduction volume -> face -> edge; Chin, Lasserre,
+/// Sukumar 2015 for the recursion.
 ///
 /// A monomial m of degree d obeys (x - x0) . grad m = d m - x0 . grad m, so that the divergence theorem
 /// turns its integral over a cell, a face and an edge into integrals one dimension lower and of one

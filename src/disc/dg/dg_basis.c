@@ -1,4 +1,5 @@
 /// The orthogonal basis of one cell: Cholesky of the mass matrix of scaled monomials.
+/// docs/theory/integration.md, eqs. (9) and (10).
 ///
 /// The mass matrix M of centred, bbox-scaled monomials comes from exact moments; B = L^{-1}, M = L L^T
 /// gives an orthogonal basis up to rounding times cond(M). Where a cell is flat in a direction that is not

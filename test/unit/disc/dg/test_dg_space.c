@@ -225,6 +225,26 @@ static void trace_constants_match_closed_forms(void **state) {
   close_space(&t);
 }
 
+static void trace_constants_match_known_ratios(void **state) {
+  (void)state;
+  // C_K |K| / |dK| for k = 1 to 4, from an independent computation
+  static const double ratio[3][4] = {
+      {1, 1.667, 3.12, 4.305}, {1, 1.667, 2.815, 3.93}, {1, 1.95, 3.74, 5.51}};
+  TestSolid s[3];
+  box_solid(&s[0], 1, 1, 1);
+  test_tetrahedron(&s[1], (double[12]){1, 1, 1, -1, 1, -1, 1, -1, -1, -1, -1, 1});
+  box_solid(&s[2], 1, 1, 10);
+  for (int shape = 0; shape < 3; shape++)
+    for (int k = 1; k <= 4; k++) {
+      Fixture t = single(&s[shape], k);
+      double area = 0;
+      for (LitheIndex f = 0; f < t.mesh->n_faces; f++) area += t.mesh->face_area[f];
+      CHECK_NEAR(t.space->trace_constant[0] * t.mesh->cell_volume[0] / area, ratio[shape][k - 1],
+                 6e-3);
+      close_space(&t);
+    }
+}
+
 /// int_dK p^2 / int_K p^2 of random polynomials of degree k - 1 never exceeds C_K, and some come close.
 static void trace_constants_bound_random_polynomials(void **state) {
   (void)state;
@@ -369,6 +389,7 @@ int main(void) {
       cmocka_unit_test(gradients_match_differences),
       cmocka_unit_test(mean_gradients_are_integrals),
       cmocka_unit_test(trace_constants_match_closed_forms),
+      cmocka_unit_test(trace_constants_match_known_ratios),
       cmocka_unit_test(trace_constants_bound_random_polynomials),
       cmocka_unit_test(projection_reproduces_polynomials),
       cmocka_unit_test(does_not_depend_on_the_place),
