@@ -17,14 +17,13 @@ static double centroid_distance(const LthDgSpace *space, LitheIndex cell, const 
   return fmax(d, MIN_DISTANCE / space->trace_constant[cell]);
 }
 
-/// The stability bound of one side with a trace constant C: |sigma n . J| is at most what the energy of
-/// the cell and  C q(J), q = 2 mu |J|^2 + lambda (J.n)^2,  hold together. For lambda < 0 the acoustic
-/// tensor mu I + (lambda + mu) n n^T takes its place.
+/// The stability bound of one side with a trace constant C: by Cauchy-Schwarz in the energy's own inner
+/// product the work of the traction on a jump J is held by the energy of the cell and C J.A J, where A =
+/// mu I + (lambda + mu) n n^T is the acoustic tensor. Any Poisson's ratio; lambda meets J.n alone.
 static void add_bound(const LthDgOperator *op, LitheIndex cell, double C, double *iso,
                       double *normal) {
-  double lambda = op->lambda[cell], mu = op->mu[cell];
-  *iso += STABILITY * C * (lambda < 0 ? mu : 2 * mu);
-  *normal += STABILITY * C * (lambda < 0 ? lambda + mu : lambda);
+  *iso += STABILITY * C * op->mu[cell];
+  *normal += STABILITY * C * (op->lambda[cell] + op->mu[cell]);
 }
 
 /// Springs in series between two centroids (d[1] = 0: one side only): E along n, mu across it; or

@@ -1,0 +1,239 @@
+/// Deflections: against independent codes, the beam tables of docs/theory/dg.md, and under rotation.
+#include "dg_body.h"
+
+#include "la/engine.h"
+
+/// x = K^-1 (f + f0) by sparse Cholesky.
+static void solve_sparse(TestBody *b, const LthBlockMatrix *K, const double *f0) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  assert_non_null(engine);
+  LthFactor *factor = NULL;
+  CHECK_OK(b->ctx, engine->analyse(b->ctx, K, &factor));
+  CHECK_OK(b->ctx, engine->factorize(b->ctx, factor, K));
+  for (LitheCount i = 0; i < K->n; i++) b->r[i] = b->f[i] + f0[i];
+  CHECK_OK(b->ctx, engine->solve(b->ctx, factor, b->r, b->x));
+  engine->destroy(b->ctx, &factor);
+}
+
+static void add_weight(TestBody *b, const double weight[3]) {
+  double *one = lth_alloc(b->ctx, b->space->n_cells, sizeof *one);
+  for (LitheIndex c = 0; c < b->space->n_cells; c++) one[c] = 1;
+  lth_dg_add_gravity(b->space, one, weight, b->f);
+  lth_free(b->ctx, one);
+}
+
+static void set_material(TestBody *b, double young, double poisson) {
+  for (LitheIndex c = 0; c < b->space->n_cells; c++) b->young[c] = young, b->poisson[c] = poisson;
+}
+
+static double compliance(const TestBody *b) {
+  double sum = 0;
+  for (LitheCount i = 0; i < b->K->n; i++) sum += b->f[i] * (b->x[i] - b->x0[i]);
+  return sum;
+}
+
+/// value of the position at a point: mean over the cells whose boxes hold it.
+static void position_at(const TestBody *b, const double at[3], double mean[3]) {
+  int n = 0;
+  mean[0] = mean[1] = mean[2] = 0;
+  for (LitheIndex c = 0; c < b->space->n_cells; c++) {
+    const double *box = b->mesh->cell_box + 6 * c;
+    bool in = true;
+    for (int a = 0; a < 3; a++) in = in && at[a] > box[a] - 1e-9 && at[a] < box[3 + a] + 1e-9;
+    if (!in) continue;
+    double v[3];
+    lth_dg_sample(b->space, c, b->x, at, v);
+    lth_v3_add(mean, v, mean);
+    n++;
+  }
+  assert_true(n > 0);
+  lth_v3_scale(1.0 / n, mean);
+}
+
+/// Three independent programs agree on the compliance of a unit cube of 10^3 hexahedra, E = 1e5, nu = .3,
+/// clamped below, weight 9.81, with the penalty gamma (lambda + 2 mu) / h on inner and clamped faces.
+/// Eq. (20) gives 2 eta / h inside, and Lithe 4 eta / h on clamped faces; the matrix is linear in eta, so
+/// the clamped part at half the eta completes the same matrix.
+static double reference_compliance(LthFlux flux, int degree, double gamma) {
+  TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {1, 1, 1}, {10, 10, 10}}, degree);
+  set_material(&b, 1e5, 0.3);
+  b.def.flux = flux;
+  b.def.penalty = LTH_PENALTY_ETA;
+  LthBlockMatrix *K = NULL;
+  LitheCount n = 0;
+  double *f0 = lth_alloc(b.ctx, b.space->n_dofs, sizeof *f0);
+  test_hold(&b, test_facing_down_z);
+  for (int part = 0; part < 3; part++) {
+    b.def.eta = part == 1 ? gamma / 2 : gamma / 4;
+    b.def.n_weak = part == 0 ? 1 : 0; // clamped at half - free at half + free
+    double sign = part == 2 ? -1 : 1;
+    test_assemble(&b, 0);
+    if (!K) {
+      CHECK_OK(b.ctx, lth_dg_matrix_create(b.ctx, b.op, &K));
+      n = K->value_off[K->block_off[K->n_rows]];
+      assert_int_equal(n, degree == 1 ? 921600 : 5760000); // 0.64 % of the full matrix
+    }
+    for (LitheCount i = 0; i < n; i++) K->values[i] += sign * b.K->values[i];
+    for (LitheCount i = 0; i < K->n; i++) f0[i] += sign * b.f0[i];
+    if (part == 2) break;
+    lth_dg_operator_destroy(b.ctx, &b.op);
+    lth_block_matrix_destroy(b.ctx, &b.K);
+  }
+  add_weight(&b, (double[3]){0, 0, -9.81});
+  solve_sparse(&b, K, f0);
+  double result = compliance(&b);
+  lth_block_matrix_destroy(b.ctx, &K);
+  lth_free(b.ctx, f0);
+  test_body_free(&b);
+  return result;
+}
+
+static void compliance_agrees_with_independent_codes(void **state) {
+  (void)state;
+  // they solve to 1e-8
+  CHECK_NEAR(reference_compliance(LTH_FLUX_IP, 1, 20), 2.81695505e-4, 1e-8 * 3e-4);
+  CHECK_NEAR(reference_compliance(LTH_FLUX_BZ, 1, 20), 2.96783578e-4, 1e-8 * 3e-4);
+}
+
+static double beam_tip(TestMesh kind, LitheIndex nx, LitheIndex ny, int degree, double poisson,
+                       LthFlux flux) {
+  TestBody b = test_body(kind, (LthGrid){{0, -0.5, -0.5}, {4, 0.5, 0.5}, {nx, ny, ny}}, degree);
+  set_material(&b, 1000, poisson);
+  b.def.flux = flux;
+  test_hold(&b, test_facing_down_x);
+  test_assemble(&b, 0);
+  add_weight(&b, (double[3]){0, 0, -1});
+  solve_sparse(&b, b.K, b.f0);
+  double tip[3];
+  position_at(&b, (double[3]){4, 0, 0}, tip);
+  test_body_free(&b);
+  return tip[2];
+}
+
+/// Linear cantilever 4 x 1 x 1 under its weight, tip over the converged -0.39862.
+static void coarse_linear_elements_bend(void **state) {
+  (void)state;
+  const struct {
+    TestMesh kind;
+    LitheIndex nx, ny;
+    double want;
+  } rows[] = {
+      {TEST_HEXAHEDRA, 2, 1, 1.26},  {TEST_HEXAHEDRA, 4, 1, 1.08},  {TEST_HEXAHEDRA, 8, 1, 1.03},
+      {TEST_HEXAHEDRA, 16, 1, 1.02}, {TEST_HEXAHEDRA, 4, 2, 0.86},  {TEST_HEXAHEDRA, 8, 2, 0.96},
+      {TEST_TETRAHEDRA, 4, 1, 1.11}, {TEST_TETRAHEDRA, 8, 2, 0.98},
+  };
+  for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    double tip = beam_tip(rows[i].kind, rows[i].nx, rows[i].ny, 1, 0.3, LTH_FLUX_IP);
+    CHECK_NEAR(tip / -0.39862, rows[i].want, 0.0075);
+  }
+}
+
+static void quadratic_elements_bend(void **state) {
+  (void)state;
+  CHECK_NEAR(beam_tip(TEST_HEXAHEDRA, 4, 1, 2, 0.3, LTH_FLUX_IP) / -0.39862, 0.960, 0.002);
+  CHECK_NEAR(beam_tip(TEST_HEXAHEDRA, 8, 2, 2, 0.3, LTH_FLUX_IP) / -0.39862, 0.989, 0.002);
+}
+
+/// The beam's mesh, turned by R.
+static LthMesh *turned_mesh(LitheCtx *ctx, const double R[9]) {
+  LthMesh *flat = NULL, *mesh = NULL;
+  LthGrid grid = {{0, -0.5, -0.5}, {4, 0.5, 0.5}, {4, 1, 2}};
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &grid, &flat));
+  for (LitheIndex p = 0; p < flat->n_points; p++) {
+    double v[3];
+    lth_m3_apply(R, flat->points + 3 * p, v);
+    lth_v3_copy(v, flat->points + 3 * p);
+  }
+  LthMeshDef def = {.n_points = flat->n_points,
+                    .n_faces = flat->n_faces,
+                    .n_cells = flat->n_cells,
+                    .points = flat->points,
+                    .face_loop_off = flat->face_loop_off,
+                    .loop_off = flat->loop_off,
+                    .loop_point = flat->loop_point,
+                    .face_cell = flat->face_cell,
+                    .cell_size = flat->cell_size};
+  CHECK_OK(ctx, lth_mesh_create(ctx, &def, &mesh));
+  lth_mesh_destroy(ctx, &flat);
+  return mesh;
+}
+
+static double clamp_normal[3];
+static bool facing_the_clamp(const double c[3], const double n[3]) {
+  (void)c;
+  return lth_v3_dot(n, clamp_normal) > 0.999999;
+}
+
+/// Centroids of the turned, clamped beam after a few rounds of rotations and solves.
+static void bend_turned(const double R[9], int degree, LthFlux flux, double centroids[24]) {
+  LitheCtx *ctx = test_ctx();
+  TestBody b = test_body_of(ctx, turned_mesh(ctx, R), degree);
+  double weight[3];
+  lth_m3_apply(R, (double[3]){-1, 0, 0}, clamp_normal);
+  lth_m3_apply(R, (double[3]){0, 0, -3}, weight);
+  b.def.flux = flux;
+  b.def.warped = true;
+  test_hold(&b, facing_the_clamp);
+  test_assemble(&b, 0);
+  add_weight(&b, weight);
+  for (int round = 0; round < 4; round++) {
+    lth_dg_update_rotations(b.op, b.x);
+    test_assemble(&b, 0);
+    test_solve(&b);
+  }
+  for (LitheIndex c = 0; c < b.space->n_cells; c++)
+    lth_v3_copy(b.x + 3 * b.space->func_off[c], centroids + 3 * c);
+  test_body_free(&b);
+}
+
+static void turned_beam_gives_the_turned_answer(void **state) {
+  (void)state;
+  double R[9], I[9], straight[24], turned[24];
+  test_rotation(0.7, R);
+  lth_m3_identity(I);
+  for (int degree = 1; degree <= 2; degree++)
+    for (int bz = 0; bz < 2; bz++) {
+      bend_turned(I, degree, bz ? LTH_FLUX_BZ : LTH_FLUX_IP, straight);
+      bend_turned(R, degree, bz ? LTH_FLUX_BZ : LTH_FLUX_IP, turned);
+      CHECK_AT_LEAST(fabs(straight[3 * 7 + 2]), 0.3); // it does bend
+      for (int c = 0; c < 8; c++) {
+        double want[3];
+        lth_m3_apply(R, straight + 3 * c, want);
+        for (int a = 0; a < 3; a++) CHECK_NEAR(turned[3 * c + a], want[a], 1e-10);
+      }
+    }
+}
+
+/// A bar of nu = 0 in n slabs, pulled and sheared: BZ's springs make it softer by 1 / 51 at most.
+static void bz_is_softer_by_less_than_two_percent(void **state) {
+  (void)state;
+  for (int degree = 1; degree <= 2; degree++)
+    for (LitheIndex n = 1; n <= 5; n += 2) {
+      TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {3, 1, 1}, {n, 1, 1}}, degree);
+      set_material(&b, 1000, 0);
+      b.def.flux = LTH_FLUX_BZ;
+      test_hold(&b, test_facing_down_x);
+      test_assemble(&b, 0);
+      b.patches[3] = test_patches(b.ctx, b.mesh, test_facing_up_x);
+      LthLoad pull = {.kind = LTH_LOAD_TOTAL_FORCE, .patches = b.patches[3]};
+      pull.value[0].constant = 10;
+      CHECK_OK(b.ctx, lth_dg_add_load(b.ctx, b.space, &pull, 0, NULL, b.f));
+      test_solve(&b);
+      double end[3], exact = 10 * 3 / 1000.0;
+      position_at(&b, (double[3]){3, 0.5, 0.5}, end);
+      CHECK_AT_LEAST((end[0] - 3) / exact, 1);
+      CHECK_AT_MOST((end[0] - 3) / exact, 1.02);
+      test_body_free(&b);
+    }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(compliance_agrees_with_independent_codes),
+      cmocka_unit_test(coarse_linear_elements_bend),
+      cmocka_unit_test(quadratic_elements_bend),
+      cmocka_unit_test(turned_beam_gives_the_turned_answer),
+      cmocka_unit_test(bz_is_softer_by_less_than_two_percent),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
