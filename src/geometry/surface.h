@@ -21,12 +21,13 @@ void lth_soup_destroy(LitheCtx *ctx, LthSoup **soup);
 /// Triangles are counter-clockwise seen from outside; cavities are inner shells with inward volume.
 typedef struct LthSurface {
   LitheIndex n_points, n_tris, n_shells;
-  double *points;         ///< [m]                                         (n_points x 3)
-  LitheIndex *tris;       ///< points of each triangle                     (n_tris x 3)
-  LitheIndex *tri_shell;  ///< connected shell of each triangle            (n_tris)
-  LitheIndex *tri_poly;   ///< polygon of the soup each triangle is from   (n_tris)
+  double *points;        ///< [m]                                         (n_points x 3)
+  LitheIndex *tris;      ///< points of each triangle                     (n_tris x 3)
+  LitheIndex *tri_shell; ///< connected shell of each triangle            (n_tris)
+  LitheIndex *tri_poly;  ///< polygon of the soup each triangle is from   (n_tris)
   LitheIndex n_soup_points;
-  LitheIndex *soup_point; ///< point of this surface for each soup point, -1 if unused (n_soup_points)
+  LitheIndex
+      *soup_point; ///< point of this surface for each soup point, -1 if unused (n_soup_points)
 } LthSurface;
 
 void lth_surface_destroy(LitheCtx *ctx, LthSurface **surface);
@@ -37,22 +38,28 @@ double lth_surface_area(const LthSurface *surface);
 void lth_surface_bounds(const LthSurface *surface, double min[3], double max[3]);
 
 typedef enum LthDefectKind {
-  LTH_DEFECT_OPEN_EDGE,      ///< an edge with one triangle
-  LTH_DEFECT_NON_MANIFOLD,   ///< an edge with more than two
-  LTH_DEFECT_CROSSING,       ///< two triangles that cross or overlap
-  LTH_DEFECT_UNORIENTABLE,   ///< a shell that has no outside (Moebius)
-  LTH_DEFECT_NESTING,        ///< shells inside each other in the wrong sense that cannot be repaired
+  LTH_DEFECT_OPEN_EDGE,    ///< an edge with one triangle
+  LTH_DEFECT_NON_MANIFOLD, ///< an edge with more than two
+  LTH_DEFECT_CROSSING,     ///< two triangles that cross or overlap
+  LTH_DEFECT_UNORIENTABLE, ///< a shell that has no outside (Moebius)
+  LTH_DEFECT_NESTING,      ///< shells inside each other in the wrong sense that cannot be repaired
   LTH_DEFECT_KINDS
 } LthDefectKind;
 
 /// Everything that is wrong with a surface, each with its place.
 typedef struct LthDefects {
-  LitheIndex n;           ///< number of defects kept
+  LitheIndex n;                       ///< number of defects kept
   LitheIndex count[LTH_DEFECT_KINDS]; ///< number found, also of those not kept
-  LthDefectKind *kind;    ///< (n)
-  double *segment;        ///< two end points of the bad edge or crossing  (n x 6)
-  LitheCount cap;
+  LthDefectKind *kind;                ///< (n)
+  double *segment;                    ///< two end points of the bad edge or crossing  (n x 6)
+  LitheCount cap, segment_cap;
+  double size; ///< diagonal of the surface's box [m]
 } LthDefects;
+
+#define LTH_DEFECTS_KEPT 10000 ///< places kept of each kind
+
+/// A few words for one defect of a kind, such as "open edge".
+const char *lth_defect_text(LthDefectKind kind);
 
 void lth_defects_free(LitheCtx *ctx, LthDefects *defects);
 
