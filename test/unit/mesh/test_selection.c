@@ -348,6 +348,45 @@ static void quadrature_is_exact_on_divided_faces(void **state) {
   finish(ctx, mesh);
 }
 
+/// Memory hooks that fail from the n-th allocation on.
+static int allocations_left;
+static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
+  (void)user;
+  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+
+static void survives_failing_allocations(void **state) {
+  (void)state;
+  LitheCtxDef def = lithe_ctx_def_default();
+  def.allocate = failing_allocate;
+  TestSolid s;
+  test_prism(&s, 4, ring_outer, 4, ring_hole, 0, 1);
+  LthWhere either[3] = {box(-1, -1, -1, 0.25, 0.25, 0.5),
+                        plane(0.25, 0, 0, 1, 1, 0),
+                        {.kind = LTH_WHERE_FACE, .point = {0.25, 0.45, 0.5}, .angle = 0.5}};
+  LthWhere w = combine(LTH_WHERE_OR, either, 3);
+  for (int n = 0, done = 0; !done; n++) {
+    allocations_left = INT32_MAX;
+    LitheCtx *ctx = lithe_ctx_create(&def);
+    LthMesh *mesh = solid_mesh(ctx, &s);
+    LthPatches *p = NULL;
+    LthFaceView face = lth_mesh_face(mesh, 0);
+    LitheIndex n_quad;
+    double *x = NULL, *weight = NULL;
+    uint8_t chosen[1];
+    allocations_left = n;
+    LitheStatus status = lth_select_boundary(ctx, mesh, &w, &p);
+    if (!status) status = lth_select_cells(ctx, mesh, &w, chosen);
+    if (!status) status = lth_patch_quadrature(ctx, &face, 3, &n_quad, &x, &weight);
+    done = status == LITHE_OK;
+    assert_true(done || status == LITHE_NO_MEMORY);
+    lth_free(ctx, x);
+    lth_free(ctx, weight);
+    lth_patches_destroy(ctx, &p);
+    finish(ctx, mesh);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(all_is_the_whole_boundary),
@@ -362,6 +401,7 @@ int main(void) {
       cmocka_unit_test(cells_touch_the_selection_or_lie_in_it),
       cmocka_unit_test(labels_are_refused),
       cmocka_unit_test(quadrature_is_exact_on_divided_faces),
+      cmocka_unit_test(survives_failing_allocations),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -381,6 +381,35 @@ static void refuses_wrong_degrees(void **state) {
   close_space(&t);
 }
 
+/// Memory hooks that fail from the n-th allocation on.
+static int allocations_left;
+static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
+  (void)user;
+  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+
+static void survives_failing_allocations(void **state) {
+  (void)state;
+  LitheCtxDef def = lithe_ctx_def_default();
+  def.allocate = failing_allocate;
+  def.threads = 1;
+  TestSolid s;
+  box_solid(&s, 1, 2, 3);
+  for (int n = 0, done = 0; !done; n++) {
+    allocations_left = INT32_MAX;
+    Fixture t = {.ctx = lithe_ctx_create(&def)};
+    t.mesh = one_cell(t.ctx, &s);
+    int k = 2;
+    double coef[30];
+    allocations_left = n;
+    LitheStatus status = lth_dg_space_create(t.ctx, t.mesh, k, NULL, &t.space);
+    if (!status) status = lth_dg_project(t.ctx, t.space, polynomial, &k, 0, coef);
+    done = status == LITHE_OK;
+    assert_true(done || status == LITHE_NO_MEMORY);
+    close_space(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(functions_are_orthogonal),
@@ -396,6 +425,7 @@ int main(void) {
       cmocka_unit_test(degrees_may_differ_between_cells),
       cmocka_unit_test(is_the_same_for_any_number_of_threads),
       cmocka_unit_test(refuses_wrong_degrees),
+      cmocka_unit_test(survives_failing_allocations),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
