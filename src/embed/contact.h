@@ -7,11 +7,11 @@
 #include "la/krylov.h"
 
 typedef enum LthColliderKind {
-  LTH_COLLIDER_PLANE,   ///< point, normal (points to the free side)
+  LTH_COLLIDER_PLANE, ///< point, normal (points to the free side)
   LTH_COLLIDER_SPHERE,
   LTH_COLLIDER_BOX,
   LTH_COLLIDER_CAPSULE,
-  LTH_COLLIDER_MESH     ///< closed surface
+  LTH_COLLIDER_MESH ///< closed surface
 } LthColliderKind;
 
 /// Rigid, may move: translation(t) added to its rest place, rotation about `pivot`.
@@ -25,46 +25,59 @@ typedef struct LthCollider {
 } LthCollider;
 
 typedef struct LthContactDef {
-  const LthEmbedding *points; ///< borrowed for life
-  const LthCollider *colliders; ///< borrowed for life
+  const LthEmbedding *points;   ///< borrowed for life
+  const LthCollider *colliders; ///< borrowed for life; a mesh without bvh gets one here
   LitheIndex n_colliders;
-  double stiffness;           ///< [Pa/m] per area (or [N/m] a point where no area is known); 0: auto
-  double friction;            ///< Coulomb's mu
-  double damping;             ///< [s] times the stiffness, along the normal
-  double modulus;             ///< largest lambda + 2 mu of the body [Pa], for auto
+  double stiffness; ///< [Pa/m] per area (or [N/m] a point where no area is known); 0: auto
+  double friction;  ///< Coulomb's mu
+  double damping;   ///< [s] times the stiffness, along the normal
+  double modulus;   ///< largest lambda + 2 mu of the body [Pa], for auto
   double cell_size, body_size, body_weight; ///< [m], [m], [N], for auto
 } LthContactDef;
 
 typedef struct LthContact LthContact;
 
+/// Set up for a body; `ctx` is kept for its number of threads. What changes in a run (active points,
+/// anchors of friction, an automatic stiffness) is inside: one contact per moving body.
 LitheStatus lth_contact_create(LitheCtx *ctx, const LthContactDef *def, LthContact **contact);
 void lth_contact_destroy(LitheCtx *ctx, LthContact **contact);
 
-/// Gap (signed distance, negative inside) and outward normal of a collider at time t.
+/// Gap (signed distance, negative inside) and outward normal of a collider at time t. Thread-safe.
 double lth_collider_gap(const LthCollider *collider, const double x[3], double t, double normal[3]);
 
-/// Velocity of the collider's material at x.
-void lth_collider_velocity(const LthCollider *collider, const double x[3], double t, double velocity[3]);
+/// Velocity of the collider's material at x, by central differences in time.
+void lth_collider_velocity(const LthCollider *collider, const double x[3], double t,
+                           double velocity[3]);
 
-/// Find the active points for the step t -> t + dt from displacement u and velocity v (coefficients):
-/// those that are in a collider or would be. Returns their number. Allocates only when the set grows
-/// beyond what it ever was.
-LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *contact, double t, double dt, const double *u,
-                               const double *v, LitheIndex *n_active);
+/// Find the points that may touch in the step t -> t + dt, from displacement u and velocity v
+/// (coefficients). Returns the number of those that are active at first: in a collider if they went on as
+/// they do. Also ends the step before: sliding points take their anchors along. Allocates only when more
+/// points come near than ever before.
+LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *contact, double t, double dt,
+                               const double *u, const double *v, LitheIndex *n_active);
 
-/// For the linearly implicit step: y += dt^2 W^T k (n n^T + friction) W v + dt damping ..., the contact
-/// part of the system matrix acting on v1.
+/// The contact part of the system matrix acting on v1: y += W^T D W v, D of equation (4) of
+/// docs/theory/contact.md, symmetric and positive semi-definite.
 void lth_contact_apply(const LthContact *contact, const double *v, double *y);
 
-/// rhs += dt W^T (force at the start of the step): pushes points out of colliders.
+/// rhs += W^T r, r of equation (4): pushes points out of colliders and along with them.
 void lth_contact_add_rhs(const LthContact *contact, double *rhs);
 
-/// Add the matrix's diagonal blocks to `extra`, laid out as LthBlockJacobi's (block rows `row_off`).
+/// Add to `extra`, laid out as LthBlockJacobi's diagonal blocks (those of all cells one after the
+/// other), a block diagonal matrix that is nowhere below the contact part where weights are positive.
 void lth_contact_add_diagonal(const LthContact *contact, const LthDgSpace *space, double *extra);
 
-/// After a solve: drop points that pull, take in new ones; update friction limits by the normal forces.
-/// Returns true where the set changed and the step should be solved again.
+/// After a solve: drop points that pull, take in those that end inside, let go of or hold those whose
+/// friction is above or below Coulomb's limit. Returns true where the step should be solved again; a few
+/// rounds at most in a step.
 bool lth_contact_revise(LthContact *contact, const double *u, const double *v1);
 
-/// Number of active points, deepest penetration [m] and total normal force [N] of the last step.
-void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetration, double *force);
+/// Number of active points, deepest penetration [m] and total normal force [N] of the last solve.
+void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetration,
+                        double *force);
+
+/// Force on the body at a point that is active after the last solve [N], summed over colliders.
+void lth_contact_point_force(const LthContact *contact, LitheIndex point, double force[3]);
+
+/// Stiffness per area in use [Pa/m] (per point [N/m] where no area is known).
+double lth_contact_stiffness(const LthContact *contact);
