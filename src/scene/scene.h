@@ -15,14 +15,14 @@ typedef enum LthMeshKind { LTH_MESH_SLICE, LTH_MESH_HEXAHEDRA, LTH_MESH_TETRAHED
 
 /// How a body's resolution is given; exactly one of the three.
 typedef struct LthResolution {
-  LitheIndex cells[3];   ///< over the bounding box; {n, 0, 0}: n along the longest side
-  double cell_size;      ///< [m], 0: not given
+  LitheIndex cells[3]; ///< over the bounding box; {n, 0, 0}: n along the longest side
+  double cell_size;    ///< [m], 0: not given
   bool has_grid;
   LthGrid grid;
 } LthResolution;
 
 typedef struct LthSceneConstraint {
-  char *path;            ///< "bodies.0.constraints.1", for messages and `reaction`
+  char *path; ///< "bodies.0.constraints.1", for messages and `reaction`
   LthWhere where;
   bool fixed[3], normal_only, is_position, strong, interior;
   LthValue value[3];
@@ -45,11 +45,11 @@ typedef struct LthSceneMaterial {
 
 typedef struct LthSceneBody {
   char *name, *path;
-  LthShape shape;            ///< placed: scene axes, scale and place
-  LthSoup *soup;             ///< of a mesh shape, placed, file order; NULL otherwise
-  LthSurface *surface;       ///< of a mesh shape, cleaned and placed; NULL otherwise
-  double file_to_scene[12];  ///< row-major 3x4: scene = A file + b, for output.space: file
-  double shape_resolution;   ///< [m], 0: a quarter of a cell
+  LthShape shape;           ///< placed: scene axes, scale and place
+  LthSoup *soup;            ///< of a mesh shape, placed, file order; NULL otherwise
+  LthSurface *surface;      ///< of a mesh shape, cleaned and placed; NULL otherwise
+  double file_to_scene[12]; ///< row-major 3x4: scene = A file + b, for output.space: file
+  double shape_resolution;  ///< [m], 0: a quarter of a cell
   LthSceneMaterial *materials;
   LitheIndex n_materials;
   LthMeshKind mesh_kind;
@@ -63,17 +63,21 @@ typedef struct LthSceneBody {
   LitheIndex n_constraints;
   LthSceneLoad *loads;
   LitheIndex n_loads;
-  double place_rotation[9];  ///< of `place`; grids stay along the scene's axes
+  double place_rotation[9]; ///< of `place`; grids stay along the scene's axes
   double place_translation[3];
   LthValue initial_velocity[3], initial_displacement[3]; ///< of x, y, z
   bool has_embed;
-  LthSoup *embed_soup;       ///< a mesh file's, placed as the body; NULL: the shape's own surface
+  LthSoup *embed_soup; ///< a mesh file's, placed as the body; NULL: the shape's own surface
   LthInterpolation interpolation;
   LthSamples samples;
 } LthSceneBody;
 
 typedef enum LthTimeKind { LTH_TIME_STATIC, LTH_TIME_QUASISTATIC, LTH_TIME_DYNAMIC } LthTimeKind;
-typedef enum LthLinearSolver { LTH_SOLVER_AUTO, LTH_SOLVER_CHOLESKY, LTH_SOLVER_PCG } LthLinearSolver;
+typedef enum LthLinearSolver {
+  LTH_SOLVER_AUTO,
+  LTH_SOLVER_CHOLESKY,
+  LTH_SOLVER_PCG
+} LthLinearSolver;
 
 typedef struct LthSceneProbe {
   char *name;
@@ -85,53 +89,56 @@ typedef struct LthScene {
   char *name;                     ///< stem of the file: the default output folder's name
   LthSceneBody *bodies;           ///< for now one
   LitheIndex n_bodies;
-  double gravity[3];              ///< [m/s^2]
+  double gravity[3]; ///< [m/s^2]
   LthCollider *colliders;
-  LthSurface **collider_surfaces; ///< of mesh colliders, owned                (n_colliders, may hold NULL)
+  LthSurface *
+      *collider_surfaces; ///< of mesh colliders, owned                (n_colliders, may hold NULL)
   LitheIndex n_colliders;
-  double contact_stiffness;       ///< 0: auto
+  double contact_stiffness; ///< 0: auto
   double contact_friction, contact_damping;
-  bool contact_nodes;             ///< points: nodes
+  bool contact_nodes; ///< points: nodes
   LthTimeKind time_kind;
-  double duration, step;          ///< [s]
-  LitheIndex steps;               ///< quasistatic
+  double duration, step; ///< [s]
+  LitheIndex steps;      ///< quasistatic
   LthLinearSolver linear;
   double tolerance;
   int threads;
   double newton_tolerance;
   LitheIndex newton_iterations;
   bool condition;
-  char *export_path;              ///< Matrix Market, relative to the output folder; NULL: none
+  char *export_path; ///< Matrix Market, relative to the output folder; NULL: none
   LthSceneProbe *probes;
   LitheIndex n_probes;
   bool has_exact_displacement, exact_is_position, has_exact_stress;
   LthValue exact[3], exact_stress[9];
-  double output_every;            ///< [s]; 0: every step; negative: `last`
+  double output_every; ///< [s]; 0: every step; negative: `last`
   bool fields_vtu;
   bool surface_pc2, surface_obj, surface_ply, surface_stl;
   bool output_in_file_space;
-  void *owned;                    ///< expressions and strings behind the values
+  void *owned; ///< expressions and strings behind the values
 } LthScene;
 
 /// All that is wrong with a scene file, one line each: "file:line:col: path: what; what is expected".
 typedef struct LthSceneErrors {
+  LitheCtx *ctx; ///< whose memory the lines are
   char **lines;
   LitheIndex n;
 } LthSceneErrors;
 
 void lth_scene_errors_free(LthSceneErrors *errors);
 
-/// An override from the command line: "bodies.0.method.degree=2".
-/// Read and check a scene, with the surfaces it names. On LITHE_BAD_INPUT `errors` holds every error of
-/// the file, and where a surface is defective its defects have been written to `defects_path`
-/// ("defects.ply", NULL: not written).
+/// Read and check a scene, with the surfaces it names. An override of the command line reads
+/// "bodies.0.method.degree=2". On LITHE_BAD_INPUT `errors` (zero-initialised by the caller, freed by
+/// lth_scene_errors_free()) holds every error of the file, and where a surface is defective its defects
+/// have been written to `defects_path` ("defects.ply", NULL: not written).
 LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *overrides,
                            int n_overrides, const char *defects_path, LthSceneErrors *errors,
                            LthScene **scene);
 
-/// The same from text in memory (for tests and fuzzing); `name` stands for the file in messages.
+/// The same from text in memory (for tests and fuzzing); `name` stands for the file in messages and its
+/// folder for what paths are relative to. NULL: text of unknown origin, no file that it names is opened.
 LitheStatus lth_scene_read_text(LitheCtx *ctx, const char *name, const char *text, size_t length,
-                                const char *const *overrides, int n_overrides, LthSceneErrors *errors,
-                                LthScene **scene);
+                                const char *const *overrides, int n_overrides,
+                                LthSceneErrors *errors, LthScene **scene);
 
 void lth_scene_destroy(LitheCtx *ctx, LthScene **scene);

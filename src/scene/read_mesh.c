@@ -1,0 +1,169 @@
+/// Surface files of a scene: found, read, scaled, fitted, placed and cleaned.
+#include "scene/reader.h"
+
+#include "base/tensor.h"
+#include "io/file.h"
+#include "io/surface_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+LitheStatus lth_own_surface(LthReader *r, LthSurface *surface) {
+  LthSceneOwned *owned = r->owned;
+  LitheStatus status = lth_reserve_(r->ctx, (void **)&owned->surfaces, &owned->cap_surfaces,
+                                    owned->n_surfaces + 1, sizeof *owned->surfaces);
+  if (status == LITHE_OK)
+    owned->surfaces[owned->n_surfaces++] = surface;
+  else
+    lth_surface_destroy(r->ctx, &surface);
+  return status;
+}
+
+LitheStatus lth_own_soup(LthReader *r, LthSoup *soup) {
+  LthSceneOwned *owned = r->owned;
+  LitheStatus status = lth_reserve_(r->ctx, (void **)&owned->soups, &owned->cap_soups,
+                                    owned->n_soups + 1, sizeof *owned->soups);
+  if (status == LITHE_OK)
+    owned->soups[owned->n_soups++] = soup;
+  else
+    lth_soup_destroy(r->ctx, &soup);
+  return status;
+}
+
+LitheStatus lth_find_file(LthReader *r, const LthNode *node, const char **path) {
+  char *joined = NULL;
+  *path = NULL;
+  LITHE_TRY(lth_path_join(r->ctx, r->scene->directory, node->text, &joined));
+  const char *kept = lth_arena_text(r->arena, joined, strlen(joined));
+  lth_free(r->ctx, joined);
+  if (!kept) LITHE_FAIL(r->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
+  struct stat info;
+  const char *shown = lth_show(r->arena, node), *why = NULL;
+  if (stat(kept, &info) != 0)
+    why = strerror(errno);
+  else if (!S_ISREG(info.st_mode))
+    why = S_ISDIR(info.st_mode) ? "it is a folder" : "it is no regular file";
+  if (why)
+    lth_report(r->report, (LthNode *)(uintptr_t)node,
+               "cannot be read: %s, got %s; expected a file (looked for %s)", why, shown, kept);
+  else
+    *path = kept;
+  return LITHE_OK;
+}
+
+/// Factor of the unit of a file's numbers.
+static double unit_factor(LthReader *r, const LthNode *node) {
+  LthUnit unit;
+  const char *name = lth_read_text(node, "unit");
+  if (!name) return 1;
+  static const LthUnit metre = {1, {1, 0, 0, 0}};
+  if (lth_unit_parse(name, &unit, NULL, NULL) && lth_unit_same(&unit, &metre)) return unit.factor;
+  lth_report(r->report, lth_node_find(node, "unit"),
+             "no unit of length, got %s; expected m, mm, cm, um, in "
+             "or ft",
+             lth_show_text(r->arena, name));
+  return 1;
+}
+
+/// Box of the points that polygons use; false where there are none.
+static bool used_bounds(const LthSoup *soup, double min[3], double max[3]) {
+  for (int i = 0; i < 3; i++) min[i] = INFINITY, max[i] = -INFINITY;
+  LitheIndex n = soup->n_polys ? soup->poly_off[soup->n_polys] : 0;
+  for (LitheIndex k = 0; k < n; k++) {
+    const double *x = soup->points + 3 * (size_t)soup->poly_point[k];
+    for (int i = 0; i < 3; i++) min[i] = fmin(min[i], x[i]), max[i] = fmax(max[i], x[i]);
+  }
+  return n > 0;
+}
+
+/// Fit: the longest side becomes `fit`, the box is centred on the origin and rests on 0 along `up`.
+static void fit_map(const LthNode *node, const LthSoup *soup, double *scale, double shift[3]) {
+  static const char *const axes[] = {"x", "y", "z", NULL};
+  double fit = lth_read_number(node, "fit", 0), min[3], max[3];
+  for (int i = 0; i < 3; i++) shift[i] = 0;
+  if (!(fit > 0) || !used_bounds(soup, min, max)) return;
+  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
+  if (!(longest > 0) || !isfinite(longest)) return;
+  *scale = fit / longest;
+  int up = lth_read_word(node, "up", axes);
+  for (int i = 0; i < 3; i++)
+    shift[i] = -*scale * (i == up ? min[i] : min[i] + (max[i] - min[i]) / 2);
+}
+
+/// x_scene = R (scale x + shift) + t as a 3x4 matrix.
+static void file_map(LthReader *r, const LthNode *node, const LthSoup *soup,
+                     const LthPlacement *place, double A[12]) {
+  double shift[3], b[3], scale = unit_factor(r, node) * lth_read_number(node, "scale", 1);
+  fit_map(node, soup, &scale, shift);
+  lth_place_point(place, shift, b);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) A[4 * i + j] = scale * place->rotation[3 * i + j];
+    A[4 * i + 3] = b[i];
+  }
+}
+
+static void map_soup(LthSoup *soup, const double A[12]) {
+  for (LitheIndex p = 0; p < soup->n_points; p++) {
+    double *x = soup->points + 3 * (size_t)p, old[3] = {x[0], x[1], x[2]};
+    for (int i = 0; i < 3; i++)
+      x[i] = A[4 * i] * old[0] + A[4 * i + 1] * old[1] + A[4 * i + 2] * old[2] + A[4 * i + 3];
+  }
+}
+
+/// Report the message of a failure that is the file's fault.
+static LitheStatus blame_file(LthReader *r, const LthNode *file, LitheStatus status,
+                              const char *more) {
+  if (status != LITHE_BAD_INPUT) return status;
+  lth_report(r->report, (LthNode *)(uintptr_t)file, "%s%s", lithe_ctx_message(r->ctx), more);
+  return LITHE_OK;
+}
+
+static LitheStatus clean_surface(LthReader *r, const LthNode *file, LthMeshFile *mesh) {
+  LthDefects defects = {0};
+  LthSurface *surface = NULL;
+  LitheStatus status = lth_surface_from_soup(r->ctx, mesh->soup, file->text, &defects, &surface);
+  if (status == LITHE_OK) {
+    status = lth_own_surface(r, surface);
+    mesh->surface = status == LITHE_OK ? surface : NULL;
+  } else {
+    status = blame_file(r, file, status, "");
+  }
+  lth_defects_free(r->ctx, &defects);
+  return status;
+}
+
+static LitheStatus read_soup(LthReader *r, const LthNode *file, LthSoup **soup) {
+  const char *path = NULL;
+  *soup = NULL;
+  if (!file || !r->opens_files) return LITHE_OK;
+  LITHE_TRY(lth_find_file(r, file, &path));
+  if (!path) return LITHE_OK;
+  LitheStatus status = lth_soup_read(r->ctx, path, soup);
+  if (status != LITHE_OK) return blame_file(r, file, status, "");
+  status = lth_own_soup(r, *soup);
+  if (status != LITHE_OK) *soup = NULL;
+  return status;
+}
+
+LitheStatus lth_read_mesh(LthReader *r, const LthNode *node, const LthPlacement *place,
+                          bool needs_surface, LthMeshFile *mesh) {
+  *mesh = (LthMeshFile){0};
+  const LthNode *file = lth_node_get(node, "file");
+  LITHE_TRY(read_soup(r, file, &mesh->soup));
+  if (!mesh->soup) return LITHE_OK;
+  file_map(r, node, mesh->soup, place, mesh->to_scene);
+  map_soup(mesh->soup, mesh->to_scene);
+  return needs_surface ? clean_surface(r, file, mesh) : LITHE_OK;
+}
+
+LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_scene[12],
+                             LthMeshFile *mesh) {
+  *mesh = (LthMeshFile){0};
+  LITHE_TRY(read_soup(r, file, &mesh->soup));
+  if (!mesh->soup) return LITHE_OK;
+  memcpy(mesh->to_scene, to_scene, sizeof mesh->to_scene);
+  map_soup(mesh->soup, to_scene);
+  return LITHE_OK;
+}

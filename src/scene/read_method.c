@@ -1,0 +1,123 @@
+/// Method and material of a body.
+#include "scene/reader.h"
+
+#include "base/tensor.h"
+
+/// Density of bodies whose mass does not count [kg/m^3].
+#define ANY_DENSITY 1000.0
+
+static void read_cells(const LthNode *cells, LitheIndex n[3]) {
+  if (!cells) return;
+  if (cells->kind == LTH_NODE_SCALAR) {
+    n[0] = (LitheIndex)cells->value.constant;
+    return;
+  }
+  LitheIndex i = 0;
+  for (const LthNode *item = cells->first; item && i < 3; item = item->next)
+    n[i++] = item->has_value ? (LitheIndex)item->value.constant : 1;
+}
+
+static void read_grid(LthReader *r, const LthNode *node, LthGrid *grid) {
+  lth_read_vector(node, "min", grid->min);
+  lth_read_vector(node, "max", grid->max);
+  read_cells(lth_node_get(node, "cells"), grid->cells);
+  for (int i = 0; i < 3 && lth_node_get(node, "min") && lth_node_get(node, "max"); i++) {
+    if (grid->min[i] < grid->max[i]) continue;
+    lth_report(r->report, lth_node_find(node, "max"),
+               "an empty grid, got %g..%g along %c; expected max > min", grid->min[i], grid->max[i],
+               "xyz"[i]);
+    return;
+  }
+}
+
+static void read_penalty(const LthNode *node, LthSceneBody *body) {
+  static const char *const scales[] = {"material", "none", NULL};
+  body->penalty = LTH_PENALTY_AUTO;
+  if (!node || lth_node_is_text(node, "auto")) return;
+  bool is_plain = node->kind == LTH_NODE_MAP && lth_read_word(node, "scale", scales) == 1;
+  body->penalty = is_plain ? LTH_PENALTY_ETA_PLAIN : LTH_PENALTY_ETA;
+  body->eta = node->kind == LTH_NODE_MAP ? lth_read_number(node, "eta", 1) : node->value.constant;
+}
+
+void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
+  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra", NULL};
+  static const char *const fluxes[] = {"ip", "bz", NULL};
+  const LthNode *grid = lth_node_get(node, "grid");
+  body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
+  body->flux = (LthFlux)lth_read_word(node, "flux", fluxes);
+  body->degree = lth_read_integer(node, "degree", 1);
+  body->sliver = lth_read_number(node, "sliver", 0.05);
+  read_cells(lth_node_get(node, "cells"), body->resolution.cells);
+  body->resolution.cell_size = lth_read_number(node, "cell_size", 0);
+  body->resolution.has_grid = grid != NULL;
+  if (grid) read_grid(r, grid, &body->resolution.grid);
+  read_penalty(lth_node_get(node, "penalty"), body);
+}
+
+/// Why the mass of bodies counts in this scene; NULL where it does not.
+static const char *why_mass(const LthReader *r) {
+  const LthNode *time = lth_node_find(r->root, "time");
+  bool is_dynamic = lth_node_is_text(time, "dynamic") || lth_node_find(time, "dynamic") ||
+                    lth_node_is_text(lth_node_find(time, "kind"), "dynamic");
+  if (is_dynamic) return "time is dynamic";
+  double gravity[3];
+  lth_read_vector(r->root, "gravity", gravity);
+  return lth_v3_norm(gravity) > 0 ? "gravity acts" : NULL;
+}
+
+static LitheStatus read_one(LthReader *r, const LthNode *node, LthSceneMaterial *out) {
+  static const char *const models[] = {"linear", "corotated", NULL};
+  LthMaterial *m = &out->material;
+  m->model = lth_node_get(node, "model") ? (LthMaterialModel)lth_read_word(node, "model", models)
+                                         : LTH_MATERIAL_COROTATED;
+  m->young = lth_read_value(node, "young_modulus");
+  m->poisson = lth_read_value(node, "poisson_ratio");
+  m->density = lth_read_value(node, "density");
+  const char *why = why_mass(r);
+  if (node->kind == LTH_NODE_MAP && !node->bad && !lth_node_find(node, "density")) {
+    m->density = lth_value_constant(ANY_DENSITY);
+    if (why)
+      lth_report_missing(r->report, (LthNode *)(uintptr_t)node, "density",
+                         "missing, but %s; expected a number > 0 [kg/m^3]", why);
+  }
+  const LthNode *damping = lth_node_get(node, "damping");
+  m->damping_mass = lth_read_number(damping, "mass", 0);
+  m->damping_stiffness = lth_read_number(damping, "stiffness", 0);
+  m->yield_strength = lth_read_number(node, "yield_strength", 0);
+  const LthNode *where = lth_node_get(node, "where");
+  out->has_where = where != NULL;
+  return lth_read_where(r, where, &out->where);
+}
+
+static void check_list(LthReader *r, const LthNode *list, const LthSceneBody *body) {
+  LitheIndex i = 0;
+  for (LthNode *node = list->first; node; node = node->next, i++) {
+    const LthMaterial *m = &body->materials[i].material, *first = &body->materials[0].material;
+    if (node->bad || node->kind != LTH_NODE_MAP) continue;
+    if (!body->materials[i].has_where && node->next && !lth_node_find(node, "where"))
+      lth_report_missing(r->report, node, "where",
+                         "missing, and the materials behind would have no place; "
+                         "expected a selection, or the material at the end of the list");
+    if (m->model != first->model)
+      lth_report(r->report, lth_node_find(node, "model"),
+                 "materials of one body differ in their model, got "
+                 "%s; expected the first one's",
+                 lth_show(r->arena, lth_node_find(node, "model")));
+  }
+}
+
+LitheStatus lth_read_material(LthReader *r, const LthNode *node, LthSceneBody *body) {
+  bool is_list = node && node->kind == LTH_NODE_LIST;
+  body->materials = lth_read_array(r, is_list ? node : NULL, sizeof *body->materials);
+  if (!body->materials)
+    LITHE_FAIL(r->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
+  if (!node) return LITHE_OK;
+  if (!is_list) {
+    body->n_materials = 1;
+    return read_one(r, node, &body->materials[0]);
+  }
+  for (const LthNode *item = node->first; item; item = item->next)
+    LITHE_TRY(read_one(r, item, &body->materials[body->n_materials++]));
+  check_list(r, node, body);
+  return LITHE_OK;
+}

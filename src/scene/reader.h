@@ -1,0 +1,118 @@
+/// What all readers of parts of a scene share: where errors, memory and files go.
+///
+/// Readers run after the schema's check: types, units, ranges and defaults are settled. A node that is
+/// missing or bad has been reported; readers then leave the zero that is there and go on, so that one
+/// run finds all errors.
+#pragma once
+
+#include "scene/quantity.h"
+#include "scene/report.h"
+
+/// What a scene owns beyond its own arrays; behind LthScene.owned.
+typedef struct LthSceneOwned {
+  LthArena arena;
+  LthExpressionList expressions;
+  LthSurface **surfaces;
+  LitheCount n_surfaces, cap_surfaces;
+  LthSoup **soups;
+  LitheCount n_soups, cap_soups;
+} LthSceneOwned;
+
+typedef struct LthReader {
+  LitheCtx *ctx;
+  LthReport *report;
+  LthArena *arena;
+  LthSceneOwned *owned;
+  LthScene *scene;
+  const char *defects_path; ///< or NULL
+  bool opens_files;         ///< false: files of a text of unknown origin stay closed
+  const LthNode *root;
+  double mesh_to_scene[12]; ///< of the mesh shape that was read last
+} LthReader;
+
+/// x_scene = R x + t.
+typedef struct LthPlacement {
+  double rotation[9], translation[3];
+  bool rotates;
+} LthPlacement;
+
+/// --- values (read_value.c) ---
+
+/// A checked number of a map; `otherwise` where it is missing, bad or varies.
+double lth_read_number(const LthNode *map, const char *key, double otherwise);
+LitheIndex lth_read_integer(const LthNode *map, const char *key, LitheIndex otherwise);
+LthValue lth_read_value(const LthNode *map, const char *key); ///< constant 0 where it is missing
+bool lth_read_flag(const LthNode *map, const char *key);
+const char *lth_read_text(const LthNode *map, const char *key); ///< NULL where it is missing
+/// Vectors and tensors, row by row; false (and zeros) where they are missing.
+bool lth_read_vector(const LthNode *map, const char *key, double v[3]);
+bool lth_read_values(const LthNode *map, const char *key, LthValue v[3]);
+bool lth_read_tensor(const LthNode *map, const char *key, LthValue v[9]);
+/// A direction of length 1; a zero vector is reported.
+bool lth_read_direction(LthReader *r, const LthNode *map, const char *key, double v[3]);
+/// Position of a word in a NULL-ended list, 0 where it is missing.
+int lth_read_word(const LthNode *map, const char *key, const char *const *words);
+
+/// An array for a list's entries, zeroed; NULL where memory is out (the arena then has failed).
+void *lth_read_array(LthReader *r, const LthNode *list, size_t size);
+
+/// Placement of a body or collider (`place` may be NULL) and a rotation by axis and angle.
+void lth_read_placement(LthReader *r, const LthNode *place, LthPlacement *placement);
+void lth_rotation_matrix(const double axis[3], double angle, double R[9]);
+void lth_place_point(const LthPlacement *p, const double x[3], double placed[3]);
+
+/// --- shapes (read_shape.c, read_implicit.c) ---
+
+/// A shape from a map with one shape key, placed. Bodies must be bounded: `search` (min, max or NULL) is
+/// where implicit parts without a box are looked for; with `may_be_unbounded` they need none.
+LitheStatus lth_read_shape(LthReader *r, const LthNode *node, const LthPlacement *place,
+                           const double *search, bool may_be_unbounded, LthShape *shape);
+
+/// The implicit shape, before its box is known. True if the map gives one.
+LitheStatus lth_read_implicit(LthReader *r, const LthNode *node, const LthPlacement *place,
+                              LthShape *shape);
+/// Give boxes to implicit parts that have none.
+void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const double *search);
+
+/// --- surface files (read_mesh.c) ---
+
+typedef struct LthMeshFile {
+  LthSoup *soup;       ///< owned by the scene
+  LthSurface *surface; ///< owned by the scene; NULL where it was not asked for
+  double to_scene[12]; ///< row-major 3x4, file to scene
+} LthMeshFile;
+
+/// Read, scale, fit and place a surface file; `node` is the map with `file`. What is wrong with the file
+/// is reported at its name, and `mesh->soup` stays NULL.
+LitheStatus lth_read_mesh(LthReader *r, const LthNode *node, const LthPlacement *place,
+                          bool needs_surface, LthMeshFile *mesh);
+
+/// A surface file that goes through a transform that is already known.
+LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_scene[12],
+                             LthMeshFile *mesh);
+
+LitheStatus lth_own_surface(LthReader *r, LthSurface *surface); ///< also frees it where that fails
+LitheStatus lth_own_soup(LthReader *r, LthSoup *soup);
+
+/// Path of a file that the scene names, and a check that it can be read: NULL where it cannot, and that
+/// has been reported at `node`.
+LitheStatus lth_find_file(LthReader *r, const LthNode *node, const char **path);
+
+/// --- parts ---
+
+LitheStatus lth_read_where(LthReader *r, const LthNode *node, LthWhere *where);
+LitheStatus lth_read_bodies(LthReader *r); // read_body.c
+LitheStatus lth_read_material(LthReader *r, const LthNode *node, LthSceneBody *body);
+LitheStatus lth_read_constraints(LthReader *r, const LthNode *list, LthSceneBody *body);
+LitheStatus lth_read_loads(LthReader *r, const LthNode *list, LthSceneBody *body);
+void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body);
+LitheStatus lth_read_embed(LthReader *r, const LthNode *node, const LthPlacement *place,
+                           LthSceneBody *body);
+LitheStatus lth_read_colliders(LthReader *r); // read_collider.c
+LitheStatus lth_read_motion(LthReader *r, const LthNode *motion, LthCollider *collider);
+void lth_read_time(LthReader *r); // read_run.c
+void lth_read_solver(LthReader *r);
+void lth_read_contact(LthReader *r);
+void lth_read_probes(LthReader *r);
+void lth_read_exact(LthReader *r);
+void lth_read_output(LthReader *r);
