@@ -4,6 +4,8 @@
 #include "geometry/bvh.h"
 #include "geometry/surface.h"
 
+#include <math.h>
+
 /// A surface in the making. Half-edge 3 t + k goes from corner k of triangle t to the next.
 typedef struct LthCleaner {
   LitheCtx *ctx;
@@ -27,6 +29,10 @@ typedef struct LthCleaner {
   LitheIndex *half_edge; ///< edge of each half-edge                   (3 n_tris)
 
   LitheIndex n_shells;
+
+  LitheIndex n_pairs; ///< crossing pairs of triangles, the first LTH_DEFECTS_KEPT
+  LitheIndex *pair;   ///< (n_pairs x 2)
+  LitheCount pair_cap;
 } LthCleaner;
 
 static inline const double *lth_clean_point(const LthCleaner *c, LitheIndex p) {
@@ -39,6 +45,22 @@ static inline LitheIndex lth_clean_from(const LthCleaner *c, LitheIndex half) {
 }
 static inline LitheIndex lth_clean_to(const LthCleaner *c, LitheIndex half) {
   return c->tris[half % 3 == 2 ? half - 2 : half + 1];
+}
+
+/// Box of a triangle given by its points: min, max.
+static inline void lth_clean_box(const LthCleaner *c, const LitheIndex t[3], double box[6]) {
+  for (int i = 0; i < 3; i++) {
+    double x = lth_clean_point(c, t[0])[i], y = lth_clean_point(c, t[1])[i],
+           z = lth_clean_point(c, t[2])[i];
+    box[i] = fmin(fmin(x, y), z);
+    box[3 + i] = fmax(fmax(x, y), z);
+  }
+}
+
+static inline bool lth_boxes_meet(const double a[6], const double b[6]) {
+  for (int i = 0; i < 3; i++)
+    if (a[i] > b[3 + i] || b[i] > a[3 + i]) return false;
+  return true;
 }
 
 /// Points equal or nearer than 1e-9 of the size become one; unused points are left out.
@@ -59,6 +81,9 @@ LitheStatus lth_clean_orient(LthCleaner *c);
 LitheStatus lth_clean_find_bad_edges(LthCleaner *c);
 /// Crossing and overlapping triangles into defects; `bvh` is over `boxes` (n_tris x 6).
 LitheStatus lth_clean_find_crossings(LthCleaner *c, const double *boxes, const LthBvh *bvh);
+/// Change the triangles of crossing pairs where that helps and hardly moves the surface; *n_changes counts
+/// them, *moved grows to the largest distance [m]. Only for a manifold without other defects.
+LitheStatus lth_clean_mend(LthCleaner *c, const LthBvh *bvh, LitheIndex *n_changes, double *moved);
 /// Decide which shells are cavities and turn triangles outwards; refuse shells without volume.
 LitheStatus lth_clean_nest(LthCleaner *c, const LthBvh *bvh);
 

@@ -13,14 +13,8 @@ typedef struct Search {
   const bool *is_flat; ///< triangles without area, left out
 } Search;
 
-static bool boxes_meet(const double a[6], const double b[6]) {
-  for (int i = 0; i < 3; i++)
-    if (a[i] > b[3 + i] || b[i] > a[3 + i]) return false;
-  return true;
-}
-
 static bool pair_crosses(const Search *s, LitheIndex a, LitheIndex b) {
-  return !s->is_flat[b] && boxes_meet(s->boxes + 6 * (size_t)a, s->boxes + 6 * (size_t)b) &&
+  return !s->is_flat[b] && lth_boxes_meet(s->boxes + 6 * (size_t)a, s->boxes + 6 * (size_t)b) &&
          lth_triangles_cross(s->c->points, s->c->tris + 3 * (size_t)a, s->c->tris + 3 * (size_t)b);
 }
 
@@ -33,7 +27,7 @@ static LitheIndex search_tree(const Search *s, LitheIndex tri, LitheIndex cap, L
   stack[top++] = 0;
   while (top > 0) {
     LitheIndex node = stack[--top];
-    if (!boxes_meet(bvh->box + 6 * (size_t)node, box)) continue;
+    if (!lth_boxes_meet(bvh->box + 6 * (size_t)node, box)) continue;
     if (bvh->right[node] >= 0) {
       LITHE_ASSERT(top + 2 <= STACK_MAX);
       stack[top++] = bvh->right[node];
@@ -52,6 +46,11 @@ static LitheIndex search_tree(const Search *s, LitheIndex tri, LitheIndex cap, L
 
 static LitheStatus record(LthCleaner *c, LitheIndex a, LitheIndex b) {
   double segment[6];
+  if (c->n_pairs < LTH_DEFECTS_KEPT) {
+    LTH_RESERVE(c->ctx, c->pair, c->pair_cap, 2 * ((LitheCount)c->n_pairs + 1));
+    c->pair[2 * c->n_pairs] = a;
+    c->pair[2 * c->n_pairs++ + 1] = b;
+  }
   if (c->defects->count[LTH_DEFECT_CROSSING] < LTH_DEFECTS_KEPT)
     lth_triangles_crossing(c->points, c->tris + 3 * (size_t)a, c->tris + 3 * (size_t)b, segment);
   else
@@ -84,6 +83,7 @@ done:
 LitheStatus lth_clean_find_crossings(LthCleaner *c, const double *boxes, const LthBvh *bvh) {
   LitheStatus status = LITHE_OK;
   bool *is_flat = NULL, *is_crossed = NULL;
+  c->n_pairs = 0;
   LTH_NEW_OR(done, c->ctx, is_flat, c->n_tris);
   LTH_NEW_OR(done, c->ctx, is_crossed, c->n_tris);
   for (LitheIndex t = 0; t < c->n_tris; t++) {

@@ -354,6 +354,33 @@ static void nothing_depends_on_size_or_place(void **state) {
   }
 }
 
+/// A cube with one more point in its top, moved out over an edge by `out`: the surface is folded there.
+static void make_folded_cube(SoupMaker *m, double out) {
+  LitheIndex p = soup_cube(m, 0, 0, 0, 1);
+  LitheIndex v = soup_point(m, 0.5, -out, 1);
+  soup_triangle(m, p + 4, p + 5, v);
+  soup_triangle(m, p + 5, p + 7, v);
+  soup_triangle(m, p + 7, p + 4, v);
+  soup_triangle(m, p + 4, p + 7, p + 6);
+  // in place of the top's polygon
+  for (LitheIndex i = 4; i < 8; i++) m->poly_point[i] = p;
+}
+
+static void a_slight_fold_is_mended_a_deep_one_is_not(void **state) {
+  (void)state;
+  SoupMaker *m = fresh();
+  LitheCtx *ctx = test_ctx();
+  make_folded_cube(m, 1e-4);
+  LthSurface *s = clean(ctx, m);
+  CHECK_NEAR(lth_surface_volume(s), 1, 1e-4);
+  CHECK_NEAR(lth_surface_area(s), 6, 2e-4);
+  assert_true(has_warning(ctx, "2 pairs of triangles that crossed slightly mended"));
+  finish(ctx, s);
+  m = fresh();
+  make_folded_cube(m, 1e-2);
+  refuse(m, (int[]){0, 0, 2, 0, 0});
+}
+
 // ------------------------------------------------------------------ refused
 
 static void an_open_surface_has_its_edges_counted(void **state) {
@@ -554,15 +581,14 @@ static void quota_release(void *user, void *block) {
 
 static void running_out_of_memory_leaks_nothing(void **state) {
   (void)state;
-  for (int with_defects = 0; with_defects < 2; with_defects++) {
+  for (int kind = 0; kind < 3; kind++) {
     SoupMaker *m = fresh();
     LitheIndex p = soup_cube(m, 0, 0, 0, 3);
     LitheIndex q = soup_point(m, 1.5, 0, 0);
     soup_triangle(m, p, p + 1, q);
-    if (with_defects)
-      soup_cube(m, 1, 1, 1, 4);
-    else
-      soup_cavity(m, 1, 1, 1, 1);
+    if (kind == 0) soup_cavity(m, 1, 1, 1, 1);
+    if (kind == 1) soup_cube(m, 1, 1, 1, 4);
+    if (kind == 2) m = fresh(), make_folded_cube(m, 1e-4);
     LitheStatus status = LITHE_NO_MEMORY;
     int n = 0;
     for (; status == LITHE_NO_MEMORY; n++) {
@@ -581,7 +607,7 @@ static void running_out_of_memory_leaks_nothing(void **state) {
       assert_int_equal(lth_alloc_bytes(ctx), 0);
       lithe_ctx_destroy(&ctx);
     }
-    assert_int_equal(status, with_defects ? LITHE_BAD_INPUT : LITHE_OK);
+    assert_int_equal(status, kind == 1 ? LITHE_BAD_INPUT : LITHE_OK);
     assert_true(n > 20);
   }
 }
@@ -603,6 +629,7 @@ int main(void) {
       cmocka_unit_test(shells_may_touch_at_a_point),
       cmocka_unit_test(many_shells_take_linear_time),
       cmocka_unit_test(nothing_depends_on_size_or_place),
+      cmocka_unit_test(a_slight_fold_is_mended_a_deep_one_is_not),
       cmocka_unit_test(an_open_surface_has_its_edges_counted),
       cmocka_unit_test(a_doubled_face_is_not_manifold),
       cmocka_unit_test(cubes_with_a_common_edge_are_not_manifold),
