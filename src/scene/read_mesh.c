@@ -104,9 +104,9 @@ static void file_map(LthReader *r, const LthNode *node, const LthSoup *soup,
   }
 }
 
-static void map_soup(LthSoup *soup, const double A[12]) {
-  for (LitheIndex p = 0; p < soup->n_points; p++) {
-    double *x = soup->points + 3 * (size_t)p, old[3] = {x[0], x[1], x[2]};
+static void map_points(LitheIndex n, double *points, const double A[12]) {
+  for (LitheIndex p = 0; p < n; p++) {
+    double *x = points + 3 * (size_t)p, old[3] = {x[0], x[1], x[2]};
     for (int i = 0; i < 3; i++)
       x[i] = A[4 * i] * old[0] + A[4 * i + 1] * old[1] + A[4 * i + 2] * old[2] + A[4 * i + 3];
   }
@@ -153,9 +153,14 @@ LitheStatus lth_read_mesh(LthReader *r, const LthNode *node, const LthPlacement 
   const LthNode *file = lth_node_get(node, "file");
   LITHE_TRY(read_soup(r, file, &mesh->soup));
   if (!mesh->soup) return LITHE_OK;
-  file_map(r, node, mesh->soup, place, mesh->to_scene);
-  map_soup(mesh->soup, mesh->to_scene);
-  return needs_surface ? clean_surface(r, file, mesh) : LITHE_OK;
+  LthSoup *soup = mesh->soup;
+  file_map(r, node, soup, place, mesh->to_scene);
+
+  // cleaned in the file's own coordinates: there the places of defects mean something to its owner
+  if (needs_surface) LITHE_TRY(clean_surface(r, file, mesh));
+  map_points(soup->n_points, soup->points, mesh->to_scene);
+  if (mesh->surface) map_points(mesh->surface->n_points, mesh->surface->points, mesh->to_scene);
+  return LITHE_OK;
 }
 
 LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_scene[12],
@@ -164,6 +169,6 @@ LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_
   LITHE_TRY(read_soup(r, file, &mesh->soup));
   if (!mesh->soup) return LITHE_OK;
   memcpy(mesh->to_scene, to_scene, sizeof mesh->to_scene);
-  map_soup(mesh->soup, to_scene);
+  map_points(mesh->soup->n_points, mesh->soup->points, to_scene);
   return LITHE_OK;
 }
