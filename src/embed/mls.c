@@ -8,8 +8,11 @@
 #define EIGEN_CUT 1e-6
 #define SAMPLES_WANTED 6
 #define CONDITION_WANTED 1e3
+#define LEVERAGE_WANTED 4 ///< two standard deviations of the samples from their centre
+#define LEVERAGE_MAX 100
+#define BISECTIONS 4
 #define GROWTH 1.5
-#define GROWTHS 6
+#define GROWTHS 3
 
 LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, double weight) {
   LTH_RESERVE(ctx, row->sample, row->cap, (LitheCount)row->n + 1);
@@ -172,26 +175,76 @@ static double find_moments(const LthSampleSet *set, const LitheIndex *sample, co
   return m0;
 }
 
-LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, const double x[3],
-                            LitheIndex cell, LthWeightRow *row) {
-  double grown = 1, center[3], S[9], g[3], m0 = 0, condition = INFINITY;
-  LitheIndex n = 0;
-  row->n = 0;
-  for (int k = 0; k < GROWTHS; k++, grown *= GROWTH) {
-    n = gather(mls, s, x, cell, grown);
-    m0 = find_moments(mls->samples, s->candidate, s->theta, n, x, center, S);
-    double to_x[3] = {-center[0], -center[1], -center[2]};
-    condition = n >= 4 ? lth_pseudo_solve(S, to_x, g) : INFINITY;
-    if (n >= SAMPLES_WANTED && condition < CONDITION_WANTED) break;
-  }
-  if (!(condition < INFINITY)) return LITHE_OK;
+/// One set of samples around x, and the fit's slope towards x.
+typedef struct Fit {
+  LitheIndex n;
+  double m0, center[3], S[9], g[3];
+  double condition,
+      leverage; ///< of S; squared distance of x from the centre in units of the spread
+} Fit;
 
-  for (LitheIndex i = 0; i < n; i++) {
+static bool fit(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
+                double grown, Fit *f) {
+  f->n = gather(mls, s, x, cell, grown);
+  f->m0 = find_moments(mls->samples, s->candidate, s->theta, f->n, x, f->center, f->S);
+  double to_x[3] = {-f->center[0], -f->center[1], -f->center[2]};
+  f->condition = f->n >= 4 ? lth_pseudo_solve(f->S, to_x, f->g) : INFINITY;
+  f->leverage = f->condition < INFINITY ? lth_v3_dot(f->g, to_x) : INFINITY;
+  return f->n >= SAMPLES_WANTED && f->condition < CONDITION_WANTED && f->leverage < LEVERAGE_WANTED;
+}
+
+/// The smallest growth of the radii that gives a good fit, to a few percent: it changes gradually from
+/// point to point, and so does the surface.
+static void find_fit(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
+                     Fit *f) {
+  double high = 1, low = 1;
+  bool good = fit(mls, s, x, cell, high, f);
+  for (int k = 0; k < GROWTHS && !good; k++) {
+    low = high;
+    high *= GROWTH;
+    good = fit(mls, s, x, cell, high, f);
+  }
+  if (!good || high == low) return;
+  for (int k = 0; k < BISECTIONS; k++) {
+    double middle = sqrt(low * high);
+    if (fit(mls, s, x, cell, middle, f))
+      high = middle;
+    else
+      low = middle;
+  }
+  fit(mls, s, x, cell, high, f);
+}
+
+/// weight_i += theta_i / m0 (a + g . (x_i - c)) with the a and g that make up for what the weights miss of
+/// 1 and x: from zero, the fit itself; a second time, its rounding.
+static void add_correction(const LthMls *mls, const LthMlsScratch *s, const double x[3],
+                           const Fit *f, double *weight) {
+  double missing = 1, moment[3] = {0, 0, 0}, g[3];
+  for (LitheIndex i = 0; i < f->n; i++) {
     double d[3];
     lth_v3_sub(mls->samples->point + 3 * (size_t)s->candidate[i], x, d);
-    lth_v3_axpy(-1, center, d);
-    LITHE_TRY(lth_row_add(ctx, row, s->candidate[i], s->theta[i] / m0 * (1 + lth_v3_dot(g, d))));
+    missing -= weight[i];
+    lth_v3_axpy(-weight[i], d, moment);
   }
+  lth_v3_axpy(-missing, f->center, moment);
+  lth_pseudo_solve(f->S, moment, g);
+  for (LitheIndex i = 0; i < f->n; i++) {
+    double d[3];
+    lth_v3_sub(mls->samples->point + 3 * (size_t)s->candidate[i], x, d);
+    lth_v3_axpy(-1, f->center, d);
+    weight[i] += s->theta[i] / f->m0 * (missing + lth_v3_dot(g, d));
+  }
+}
+
+LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, const double x[3],
+                            LitheIndex cell, LthWeightRow *row) {
+  Fit f;
+  row->n = 0;
+  find_fit(mls, s, x, cell, &f);
+  if (!(f.condition < INFINITY) || !(f.leverage < LEVERAGE_MAX)) return LITHE_OK;
+  for (LitheIndex i = 0; i < f.n; i++) LITHE_TRY(lth_row_add(ctx, row, s->candidate[i], 0));
+  add_correction(mls, s, x, &f, row->weight);
+  add_correction(mls, s, x, &f, row->weight);
   return LITHE_OK;
 }
 

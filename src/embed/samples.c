@@ -7,6 +7,7 @@
 
 #define COARSE_RANK 2   ///< grid planes through a coarse node
 #define RADIUS_FACTOR 2 ///< radius over the local spacing
+#define COVER_MIN 0.6   ///< of an element's box along each axis: what its nodes must reach over
 #define SPAN_MIN 0.05 ///< smallest variance of an element's nodes over its box's half edge squared
 
 void lth_samples_destroy(LitheCtx *ctx, LthSampleSet **set) {
@@ -210,13 +211,20 @@ static LitheStatus list_by_cell(LitheCtx *ctx, const LthMesh *m, LthSampleSet *s
   return LITHE_OK;
 }
 
-/// True where the samples of a cell vary enough along every direction: the covariance of their places in
-/// the cell's box, less SPAN_MIN, is positive definite.
+/// True where the samples of a cell reach over most of its box and vary along every direction: the
+/// covariance of their places in the box, less SPAN_MIN, is positive definite.
 static bool spans_space(const LthMesh *m, const LthSampleSet *s, LitheIndex cell) {
   const double *box = m->cell_box + 6 * (size_t)cell;
   LitheCount begin = s->of_cell_off[cell], end = s->of_cell_off[cell + 1];
   double mean[3] = {0, 0, 0}, C[9] = {0};
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   if (end - begin < 4) return false;
+  for (LitheCount e = begin; e < end; e++)
+    for (int i = 0; i < 3; i++) {
+      double x = s->point[3 * (size_t)s->of_cell[e] + (size_t)i];
+      low[i] = fmin(low[i], x);
+      high[i] = fmax(high[i], x);
+    }
   for (LitheCount e = begin; e < end; e++)
     lth_v3_axpy(1.0 / (double)(end - begin), s->point + 3 * (size_t)s->of_cell[e], mean);
   for (LitheCount e = begin; e < end; e++) {
@@ -226,6 +234,8 @@ static bool spans_space(const LthMesh *m, const LthSampleSet *s, LitheIndex cell
           2 * (s->point[3 * (size_t)s->of_cell[e] + (size_t)i] - mean[i]) / (box[3 + i] - box[i]);
     for (int i = 0; i < 9; i++) C[i] += d[i / 3] * d[i % 3] / (double)(end - begin);
   }
+  for (int i = 0; i < 3; i++)
+    if (high[i] - low[i] < COVER_MIN * (box[3 + i] - box[i])) return false;
   for (int i = 0; i < 3; i++) C[4 * i] -= SPAN_MIN;
   return C[0] > 0 && C[0] * C[4] - C[1] * C[3] > 0 && lth_m3_det(C) > 0;
 }

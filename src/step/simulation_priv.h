@@ -4,14 +4,6 @@
 #include "step/anderson.h"
 #include "step/simulation.h"
 
-// a build may leave contact out: these are called only where a body has it
-#pragma weak lth_contact_detect
-#pragma weak lth_contact_apply
-#pragma weak lth_contact_add_rhs
-#pragma weak lth_contact_add_diagonal
-#pragma weak lth_contact_revise
-#pragma weak lth_contact_report
-
 struct LthSimulation {
   LthBodyDef body;
   LthStepOptions options;
