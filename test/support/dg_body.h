@@ -6,6 +6,7 @@
 #include "base/tensor.h"
 #include "disc/dg/dg_load.h"
 #include "disc/dg/dg_operator.h"
+#include "la/engine.h"
 
 #include <lapacke.h>
 #undef I
@@ -184,6 +185,18 @@ static inline void test_solve(TestBody *b) {
   int n = (int)b->K->n;
   assert_int_equal(LAPACKE_dposv(LAPACK_ROW_MAJOR, 'L', n, 1, A, n, b->x, 1), 0);
   lth_free(b->ctx, A);
+}
+
+/// x = K^-1 (f + f0) by sparse Cholesky.
+static inline void test_solve_sparse(TestBody *b, const LthBlockMatrix *K, const double *f0) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  assert_non_null(engine);
+  LthFactor *factor = NULL;
+  CHECK_OK(b->ctx, engine->analyse(b->ctx, K, &factor));
+  CHECK_OK(b->ctx, engine->factorize(b->ctx, factor, K));
+  for (LitheCount i = 0; i < K->n; i++) b->r[i] = b->f[i] + f0[i];
+  CHECK_OK(b->ctx, engine->solve(b->ctx, factor, b->r, b->x));
+  engine->destroy(b->ctx, &factor);
 }
 
 /// Smallest and largest eigenvalue of K.
