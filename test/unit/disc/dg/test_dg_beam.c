@@ -1,23 +1,6 @@
 /// Deflections: against independent codes, the beam tables of docs/theory/dg.md, and under rotation.
 #include "dg_body.h"
 
-static void add_weight(TestBody *b, const double weight[3]) {
-  double *one = lth_alloc(b->ctx, b->space->n_cells, sizeof *one);
-  for (LitheIndex c = 0; c < b->space->n_cells; c++) one[c] = 1;
-  lth_dg_add_gravity(b->space, one, weight, b->f);
-  lth_free(b->ctx, one);
-}
-
-static void set_material(TestBody *b, double young, double poisson) {
-  for (LitheIndex c = 0; c < b->space->n_cells; c++) b->young[c] = young, b->poisson[c] = poisson;
-}
-
-static double compliance(const TestBody *b) {
-  double sum = 0;
-  for (LitheCount i = 0; i < b->K->n; i++) sum += b->f[i] * (b->x[i] - b->x0[i]);
-  return sum;
-}
-
 /// value of the position at a point: mean over the cells whose boxes hold it.
 static void position_at(const TestBody *b, const double at[3], double mean[3]) {
   int n = 0;
@@ -36,59 +19,21 @@ static void position_at(const TestBody *b, const double at[3], double mean[3]) {
   lth_v3_scale(1.0 / n, mean);
 }
 
-/// Three independent programs agree on the compliance of a unit cube of 10^3 hexahedra, E = 1e5, nu = .3,
-/// clamped below, weight 9.81, with the penalty gamma (lambda + 2 mu) / h on inner and clamped faces.
-/// Eq. (20) gives 2 eta / h inside, and Lithe 4 eta / h on clamped faces; the matrix is linear in eta, so
-/// the clamped part at half the eta completes the same matrix.
-static double reference_compliance(LthFlux flux, int degree, double gamma) {
-  TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {1, 1, 1}, {10, 10, 10}}, degree);
-  set_material(&b, 1e5, 0.3);
-  b.def.flux = flux;
-  b.def.penalty = LTH_PENALTY_ETA;
-  LthBlockMatrix *K = NULL;
-  LitheCount n = 0;
-  double *f0 = lth_alloc(b.ctx, b.space->n_dofs, sizeof *f0);
-  test_hold(&b, test_facing_down_z);
-  for (int part = 0; part < 3; part++) {
-    b.def.eta = part == 1 ? gamma / 2 : gamma / 4;
-    b.def.n_weak = part == 0 ? 1 : 0; // clamped at half - free at half + free
-    double sign = part == 2 ? -1 : 1;
-    test_assemble(&b, 0);
-    if (!K) {
-      CHECK_OK(b.ctx, lth_dg_matrix_create(b.ctx, b.op, &K));
-      n = K->value_off[K->block_off[K->n_rows]];
-      assert_int_equal(n, degree == 1 ? 921600 : 5760000); // 0.64 % of the full matrix
-    }
-    for (LitheCount i = 0; i < n; i++) K->values[i] += sign * b.K->values[i];
-    for (LitheCount i = 0; i < K->n; i++) f0[i] += sign * b.f0[i];
-    if (part == 2) break;
-    lth_dg_operator_destroy(b.ctx, &b.op);
-    lth_block_matrix_destroy(b.ctx, &b.K);
-  }
-  add_weight(&b, (double[3]){0, 0, -9.81});
-  test_solve_sparse(&b, K, f0);
-  double result = compliance(&b);
-  lth_block_matrix_destroy(b.ctx, &K);
-  lth_free(b.ctx, f0);
-  test_body_free(&b);
-  return result;
-}
-
 static void compliance_agrees_with_independent_codes(void **state) {
   (void)state;
   // they solve to 1e-8
-  CHECK_NEAR(reference_compliance(LTH_FLUX_IP, 1, 20), 2.81695505e-4, 1e-8 * 3e-4);
-  CHECK_NEAR(reference_compliance(LTH_FLUX_BZ, 1, 20), 2.96783578e-4, 1e-8 * 3e-4);
+  CHECK_NEAR(test_reference_compliance(LTH_FLUX_IP, 1, 20), 2.81695505e-4, 1e-8 * 3e-4);
+  CHECK_NEAR(test_reference_compliance(LTH_FLUX_BZ, 1, 20), 2.96783578e-4, 1e-8 * 3e-4);
 }
 
 static double beam_tip(TestMesh kind, LitheIndex nx, LitheIndex ny, int degree, double poisson,
                        LthFlux flux) {
   TestBody b = test_body(kind, (LthGrid){{0, -0.5, -0.5}, {4, 0.5, 0.5}, {nx, ny, ny}}, degree);
-  set_material(&b, 1000, poisson);
+  test_set_material(&b, 1000, poisson);
   b.def.flux = flux;
   test_hold(&b, test_facing_down_x);
   test_assemble(&b, 0);
-  add_weight(&b, (double[3]){0, 0, -1});
+  test_add_weight(&b, (double[3]){0, 0, -1});
   test_solve_sparse(&b, b.K, b.f0);
   double tip[3];
   position_at(&b, (double[3]){4, 0, 0}, tip);
@@ -161,7 +106,7 @@ static void bend_turned(const double R[9], int degree, LthFlux flux, double cent
   b.def.warped = true;
   test_hold(&b, facing_the_clamp);
   test_assemble(&b, 0);
-  add_weight(&b, weight);
+  test_add_weight(&b, weight);
   for (int round = 0; round < 4; round++) {
     lth_dg_update_rotations(b.op, b.x);
     test_assemble(&b, 0);
@@ -196,7 +141,7 @@ static void bz_is_softer_by_less_than_two_percent(void **state) {
   for (int degree = 1; degree <= 2; degree++)
     for (LitheIndex n = 1; n <= 5; n += 2) {
       TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {3, 1, 1}, {n, 1, 1}}, degree);
-      set_material(&b, 1000, 0);
+      test_set_material(&b, 1000, 0);
       b.def.flux = LTH_FLUX_BZ;
       test_hold(&b, test_facing_down_x);
       test_assemble(&b, 0);
