@@ -96,15 +96,23 @@ bool lth_word_is_any_case(LthWord word, const char *text) {
 static locale_t c_locale;
 static void make_c_locale(void) { c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); }
 
-/// The library's conversion in the C locale, for numbers that the short way cannot round exactly.
-static bool number_slow(LthWord word, double *value) {
+static locale_t get_c_locale(void) {
   static pthread_once_t once = PTHREAD_ONCE_INIT;
   pthread_once(&once, make_c_locale);
+  return c_locale;
+}
+
+LthTextLocale lth_text_locale_begin(void) { return (LthTextLocale){uselocale(get_c_locale())}; }
+void lth_text_locale_end(LthTextLocale before) { uselocale((locale_t)before.before); }
+
+/// The library's conversion in the C locale, for numbers that the short way cannot round exactly.
+static bool number_slow(LthWord word, double *value) {
+  locale_t locale = get_c_locale();
   char copy[NUMBER_MAX + 1], *stop = NULL;
   if (word.length > NUMBER_MAX) return false;
   memcpy(copy, word.at, word.length);
   copy[word.length] = 0;
-  *value = c_locale ? strtod_l(copy, &stop, c_locale) : strtod(copy, &stop);
+  *value = locale ? strtod_l(copy, &stop, locale) : strtod(copy, &stop);
   return stop == copy + word.length;
 }
 

@@ -39,6 +39,15 @@ bool lth_word_number(LthWord word, double *value);
 /// A decimal integer that fits; false if the word is not one.
 bool lth_word_integer(LthWord word, LitheCount *value);
 
+/// The calling thread's locale before lth_text_locale_begin().
+typedef struct LthTextLocale {
+  void *before;
+} LthTextLocale;
+
+/// Between these two, printf() of this thread writes numbers with a point, whatever the program's locale.
+LthTextLocale lth_text_locale_begin(void);
+void lth_text_locale_end(LthTextLocale before);
+
 /// LITHE_BAD_INPUT with "name:line: " in front.
 LitheStatus lth_text_fail(const LthText *text, const char *format, ...)
     __attribute__((format(printf, 2, 3)));

@@ -4,6 +4,7 @@
 
 #include <locale.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char *bunny = "/usr/share/glmark2/models/bunny.obj";
 
@@ -393,6 +394,188 @@ static void the_bunny_is_one_closed_shell(void **state) {
   finish(ctx, soup);
 }
 
+// ------------------------------------------------------------------ writing
+
+static char folder[64];
+
+static int make_folder(void **state) {
+  (void)state;
+  strcpy(folder, "/tmp/lithe_surface_XXXXXX");
+  return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+  (void)state;
+  char command[128];
+  snprintf(command, sizeof command, "rm -rf '%s'", folder);
+  return system(command);
+}
+
+/// A path in the test's folder; valid until the next call.
+static const char *in_folder(const char *name) {
+  static char path[128];
+  snprintf(path, sizeof path, "%s/%s", folder, name);
+  return path;
+}
+
+static const char *grouped_obj =
+    "v 0 0 0\nv 1.23456789 0 0\nv 1 1 -0.1\nv 0 1 0\nv 5 5 5\nvt 0 0.25\nvt 1 0.125\n"
+    "g left\nf 1/1 2/2 3/1 4/2\ng right arm\nf 1 2 3\nf 3/2 2/1 1/1\ng left\nf 4 3 1\n";
+
+static void check_same_polygons(const LthSoup *s, const LthSoup *t) {
+  assert_int_equal(s->n_polys, t->n_polys);
+  assert_memory_equal(s->poly_off, t->poly_off, sizeof(LitheIndex) * (size_t)(s->n_polys + 1));
+  assert_memory_equal(s->poly_point, t->poly_point,
+                      sizeof(LitheIndex) * (size_t)s->poly_off[s->n_polys]);
+}
+
+static void obj_comes_back_with_groups_and_texture_coordinates(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSoup *s = parse(ctx, "obj", grouped_obj), *t = NULL;
+  CHECK_OK(ctx, lth_soup_write_obj(ctx, in_folder("a.obj"), s, NULL));
+  CHECK_OK(ctx, lth_soup_read(ctx, in_folder("a.obj"), &t));
+  check_same_polygons(s, t);
+  assert_int_equal(t->n_points, 5); // also the one that no polygon uses
+  assert_memory_equal(s->points, t->points, 15 * sizeof(double));
+  assert_int_equal(t->n_uvs, 2);
+  assert_memory_equal(s->uvs, t->uvs, 4 * sizeof(double));
+  assert_memory_equal(s->poly_uv, t->poly_uv, 13 * sizeof(LitheIndex));
+  assert_int_equal(t->n_groups, 2);
+  assert_memory_equal(s->poly_group, t->poly_group, 4 * sizeof(LitheIndex));
+  assert_string_equal(t->group_names[1], "right arm");
+  lth_soup_destroy(ctx, &t);
+  finish(ctx, s);
+}
+
+static void ply_comes_back_with_other_points(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSoup *s = parse(ctx, "obj", grouped_obj), *t = NULL;
+  double moved[15];
+  for (int i = 0; i < 15; i++) moved[i] = 0.5 * i;
+  CHECK_OK(ctx, lth_soup_write_ply(ctx, in_folder("a.ply"), s, moved));
+  CHECK_OK(ctx, lth_soup_read(ctx, in_folder("a.ply"), &t));
+  check_same_polygons(s, t);
+  assert_memory_equal(moved, t->points, sizeof moved);
+  lth_soup_destroy(ctx, &t);
+  finish(ctx, s);
+}
+
+static void ply_has_room_for_large_polygons(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  char text[20000], *at = text;
+  for (int i = 0; i < 300; i++) at += sprintf(at, "v %d %d 0\n", i, i * i);
+  at += sprintf(at, "f");
+  for (int i = 0; i < 300; i++) at += sprintf(at, " %d", i + 1);
+  LthSoup *s = parse(ctx, "obj", text), *t = NULL;
+  CHECK_OK(ctx, lth_soup_write_ply(ctx, in_folder("b.ply"), s, NULL));
+  CHECK_OK(ctx, lth_soup_read(ctx, in_folder("b.ply"), &t));
+  check_same_polygons(s, t);
+  lth_soup_destroy(ctx, &t);
+  finish(ctx, s);
+}
+
+static void stl_comes_back_as_triangles(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSoup *s = parse(ctx, "obj", grouped_obj), *t = NULL;
+  CHECK_OK(ctx, lth_soup_write_stl(ctx, in_folder("a.stl"), s, NULL));
+  CHECK_OK(ctx, lth_soup_read(ctx, in_folder("a.stl"), &t));
+  assert_int_equal(t->n_polys, 5); // a quad and three triangles
+  assert_int_equal(t->n_points, 15);
+  for (int i = 0; i < 3; i++) // the last polygon: points 4, 3, 1 of the file
+    for (int k = 0; k < 3; k++)
+      CHECK_NEAR(t->points[36 + 3 * i + k], s->points[3 * (i == 0 ? 3 : i == 1 ? 2 : 0) + k], 1e-7);
+  assert_int_equal(lithe_ctx_warning_count(ctx), 0);
+  lth_soup_destroy(ctx, &t);
+  finish(ctx, s);
+}
+
+static void a_full_disk_is_told_and_leaves_nothing(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSoup *s = parse(ctx, "obj", grouped_obj);
+  assert_int_equal(lth_soup_write_obj(ctx, "/dev/full", s, NULL), LITHE_NO_SPACE);
+  assert_int_equal(lth_soup_write_ply(ctx, "/dev/full", s, NULL), LITHE_NO_SPACE);
+  assert_int_equal(lth_soup_write_stl(ctx, "/dev/full", s, NULL), LITHE_NO_SPACE);
+  assert_int_equal(lth_soup_write_stl(ctx, in_folder("no/such/a.stl"), s, NULL), LITHE_NO_SPACE);
+  finish(ctx, s);
+}
+
+static void defects_are_written_as_edges_and_bars(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSoup *s = parse(ctx, "obj", grouped_obj), *t = NULL;
+  LthSurface *surface = NULL;
+  LthDefects defects;
+  assert_int_equal(lth_surface_from_soup(ctx, s, "a", &defects, &surface), LITHE_BAD_INPUT);
+  assert_true(defects.n > 0);
+  CHECK_OK(ctx, lth_defects_write_ply(ctx, in_folder("defects.ply"), &defects));
+  CHECK_OK(ctx, lth_soup_read(ctx, in_folder("defects.ply"), &t));
+  assert_int_equal(t->n_points, 8 * defects.n);
+  assert_int_equal(t->n_polys, 8 * defects.n);
+  for (LitheIndex i = 0; i < defects.n; i++)
+    for (int k = 0; k < 6; k++) CHECK_NEAR(t->points[24 * i + k], defects.segment[6 * i + k], 1e-9);
+  // each bar is a solid of its own
+  LthSoup *bar = t;
+  bar->n_polys = 8;
+  CHECK_OK(ctx, lth_surface_from_soup(ctx, bar, "bar", NULL, &surface));
+  assert_int_equal(surface->n_shells, 1);
+  assert_int_equal(surface->n_tris, 8);
+  lth_surface_destroy(ctx, &surface);
+  lth_defects_free(ctx, &defects);
+  lth_soup_destroy(ctx, &t);
+  finish(ctx, s);
+}
+
+// ------------------------------------------------------------------ memory
+
+static void *quota_allocate(void *user, size_t alignment, size_t bytes) {
+  int *left = user;
+  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+
+static void quota_release(void *user, void *block) {
+  (void)user;
+  free(block);
+}
+
+static void running_out_of_memory_leaks_nothing(void **state) {
+  (void)state;
+  Bytes binary;
+  make_binary_ply(&binary, true, "\n");
+  const struct {
+    const char *format, *data;
+    size_t size;
+  } files[] = {{"obj", grouped_obj, strlen(grouped_obj)},
+               {"stl", text_stl, strlen(text_stl)},
+               {"ply", ply_text, strlen(ply_text)},
+               {"ply", binary.at, binary.n},
+               {"off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 37}};
+  for (size_t f = 0; f < sizeof files / sizeof files[0]; f++) {
+    LitheStatus status = LITHE_NO_MEMORY;
+    int n = 0;
+    for (; status == LITHE_NO_MEMORY; n++) {
+      int left = n;
+      LitheCtxDef def = lithe_ctx_def_default();
+      def.allocate = quota_allocate;
+      def.release = quota_release;
+      def.memory_user = &left;
+      LitheCtx *ctx = lithe_ctx_create(&def);
+      LthSoup *s = NULL;
+      status = lth_soup_parse(ctx, "file", files[f].format, files[f].data, files[f].size, &s);
+      if (status == LITHE_OK) status = lth_soup_write_stl(ctx, in_folder("m.stl"), s, NULL);
+      lth_soup_destroy(ctx, &s);
+      assert_int_equal(lth_alloc_bytes(ctx), 0);
+      lithe_ctx_destroy(&ctx);
+    }
+    assert_int_equal(status, LITHE_OK);
+    assert_true(n > 5);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(obj_reads_polygons_of_every_corner_form),
@@ -412,6 +595,13 @@ int main(void) {
       cmocka_unit_test(numbers_are_rounded_correctly_in_any_locale),
       cmocka_unit_test(reads_the_bunny),
       cmocka_unit_test(the_bunny_is_one_closed_shell),
+      cmocka_unit_test(obj_comes_back_with_groups_and_texture_coordinates),
+      cmocka_unit_test(ply_comes_back_with_other_points),
+      cmocka_unit_test(ply_has_room_for_large_polygons),
+      cmocka_unit_test(stl_comes_back_as_triangles),
+      cmocka_unit_test(a_full_disk_is_told_and_leaves_nothing),
+      cmocka_unit_test(defects_are_written_as_edges_and_bars),
+      cmocka_unit_test(running_out_of_memory_leaks_nothing),
   };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
