@@ -1,11 +1,12 @@
 /// The orthogonal basis of one cell: Cholesky of the mass matrix of scaled monomials.
-/// docs/theory/integration.md, eqs. (9) and (10).
+/// docs/theory/integration.md, eqs. (9) to (11).
 ///
 /// The mass matrix M of centred, bbox-scaled monomials comes from exact moments; B = L^{-1}, M = L L^T
 /// gives an orthogonal basis up to rounding times cond(M). Where a cell is flat in a direction that is not
-/// an axis, cond(M) is large. Then B is corrected once or twice with the Gram matrix of its *values* at
-/// quadrature points, in which the large numbers of B have already cancelled (as Cholesky QR is repeated;
-/// Fukaya et al. 2020, Shifted Cholesky QR).
+/// an axis, cond(M) is large. Then the functions are written in principal axes, where the large numbers of B
+/// cancel and moments are well conditioned, and B is corrected with their Gram matrix there, once or twice (as
+/// Cholesky QR is repeated; Fukaya et al. 2020, Shifted Cholesky QR). Quadrature of function values does
+/// the same but took seconds for cells with hundreds of faces.
 #include "disc/dg/dg_basis.h"
 
 #include "base/eigen.h"
@@ -15,7 +16,7 @@
 
 enum { MAX_FUNCS = LTH_DG_MAX_FUNCS, MAX_PASSES = 5, MAX_MOMENTS = 165 };
 
-/// A pivot below this part of its diagonal has cost three digits: look at values.
+/// A pivot below this part of its diagonal has cost three digits: go to principal axes.
 static const double weak_pivot = 1e-3;
 
 /// B = L^{-1} of S = L L^T (n x n, row-major, lower half read); returns the smallest ratio of pivot to
@@ -81,29 +82,40 @@ static void product_matrix(int n, const double *moment, double norm, double *S) 
           norm;
 }
 
-/// gram += w phi phi^T over the tetrahedron of the origin and three corners in scaled coordinates.
-static void add_gram_tetrahedron(int k, int n, const double *B, const LthSimplexRule *rule,
-                                 double corners[3][3], double sign, double *gram) {
-  double w[3], m[MAX_FUNCS], phi[MAX_FUNCS];
-  lth_v3_cross(corners[1], corners[2], w);
-  double volume = sign * lth_v3_dot(corners[0], w) / 6;
-  for (int g = 0; g < lth_simplex_rule_points(rule); g++) {
-    double bary[4], xi[3] = {0}, weight = volume * lth_simplex_rule_point(rule, g, bary);
-    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c + 1], corners[c], xi);
-    lth_monomials3_eval(k, xi, m);
-    for (int i = 0; i < n; i++) {
-      phi[i] = 0;
-      for (int q = 0; q <= i; q++) phi[i] += B[i * n + q] * m[q];
-      for (int j = 0; j <= i; j++) gram[i * n + j] += weight * phi[i] * phi[j];
+/// A cell in its principal axes: eta = A (x - center), of about unit size in every direction.
+typedef struct PrincipalFrame {
+  double A[9];                     // x - center -> eta
+  double X[9];                     // eta -> xi
+  double N[MAX_FUNCS * MAX_FUNCS]; // mass matrix of monomials in eta
+  double T[MAX_FUNCS * MAX_FUNCS]; // monomials in xi as sums of those in eta
+} PrincipalFrame;
+
+/// Axes and extents from the second moments.
+static void set_axes(const LthDgSpace *s, LitheIndex cell, const double *moment,
+                     PrincipalFrame *p) {
+  static const int second[9] = {4, 5, 6, 5, 7, 8, 6, 8, 9};
+  const double *h = s->scale + 3 * cell;
+  double C[9], variance[3], V[9];
+  for (int i = 0; i < 9; i++) C[i] = h[i / 3] * h[i % 3] * moment[second[i]] / moment[0];
+  lth_symmetric_eigen(3, C, variance, V);
+  // right-handed, so that volumes stay positive
+  if (lth_m3_det(V) < 0)
+    for (int i = 0; i < 3; i++) V[3 * i] = -V[3 * i];
+  for (int j = 0; j < 3; j++) {
+    double extent = sqrt(3 * fmax(variance[j], 1e-15 * variance[2]));
+    for (int i = 0; i < 3; i++) {
+      p->A[3 * j + i] = V[3 * i + j] / extent;
+      p->X[3 * i + j] = V[3 * i + j] * extent / h[i];
     }
   }
 }
 
-/// Gram matrix of the functions B by quadrature over signed tetrahedra, normalised to gram_00 = 1.
-static void gram_by_values(const LthDgSpace *s, LitheIndex cell, int k, int n, const double *B,
-                           const LthSimplexRule *rule, double *gram) {
+/// Moments in eta up to degree p, triangle by triangle.
+static void principal_moments(const LthDgSpace *s, LitheIndex cell, int p, const double A[9],
+                              double *moment) {
+  static const double zero[3] = {0, 0, 0}, one[3] = {1, 1, 1};
+  static const LitheIndex triangle_off[2] = {0, 3}, triangle[3] = {0, 1, 2};
   const LthMesh *mesh = s->mesh;
-  memset(gram, 0, sizeof(double) * (size_t)(n * n));
   for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
     LitheIndex f = mesh->cell_face[c];
     LthFaceView face = lth_mesh_face(mesh, f);
@@ -113,17 +125,50 @@ static void gram_by_values(const LthDgSpace *s, LitheIndex cell, int k, int n, c
         LitheIndex next = j + 1 < face.loop_off[l + 1] ? j + 1 : face.loop_off[l];
         LitheIndex corner[3] = {base, face.loop_point[j], face.loop_point[next]};
         if (corner[1] == base || corner[2] == base) continue;
-        double xi[3][3];
-        for (int a = 0; a < 3; a++)
-          for (int i = 0; i < 3; i++)
-            xi[a][i] =
-                (face.points[3 * corner[a] + i] - s->center[3 * cell + i]) / s->scale[3 * cell + i];
-        add_gram_tetrahedron(k, n, B, rule, xi, lth_mesh_side(mesh, f, cell), gram);
+        double eta[9], d[3];
+        for (int a = 0; a < 3; a++) {
+          lth_v3_sub(face.points + 3 * (LitheCount)corner[a], s->center + 3 * cell, d);
+          lth_m3_apply(A, d, eta + 3 * a);
+        }
+        LthFaceView view = {eta, triangle_off, triangle, 1, face.normal};
+        lth_moments_add_face(p, zero, one, &view, lth_mesh_side(mesh, f, cell), moment);
       }
   }
-  double norm = gram[0];
+}
+
+/// T: m_q(xi) = (X eta)_axis m_lower(xi), degree by degree.
+static void set_transfer(int n, const double X[9], double *T) {
+  const int(*e)[3] = lth_monomial3_exponents();
+  memset(T, 0, sizeof(double) * (size_t)(n * n));
+  T[0] = 1;
+  for (int q = 1; q < n; q++) {
+    int axis = e[q][0] ? 0 : e[q][1] ? 1 : 2, low[3] = {e[q][0], e[q][1], e[q][2]};
+    low[axis]--;
+    const double *from = T + n * lth_monomial3_index(low[0], low[1], low[2]);
+    for (int r = 0; r < q; r++)
+      for (int j = 0; from[r] != 0 && j < 3; j++)
+        T[q * n + lth_monomial3_index(e[r][0] + (j == 0), e[r][1] + (j == 1),
+                                      e[r][2] + (j == 2))] += X[3 * axis + j] * from[r];
+  }
+}
+
+/// G = (B T) N (B T)^T, lower half: the Gram matrix of the functions, eq. (10).
+static void principal_gram(int n, const PrincipalFrame *p, const double *B, double *G) {
+  double E[MAX_FUNCS * MAX_FUNCS], EN[MAX_FUNCS];
+  memset(E, 0, sizeof E);
   for (int i = 0; i < n; i++)
-    for (int j = 0; j <= i; j++) gram[i * n + j] /= norm;
+    for (int q = 0; q <= i; q++)
+      for (int r = 0; r < n; r++) E[i * n + r] += B[i * n + q] * p->T[q * n + r];
+  for (int i = 0; i < n; i++) {
+    memset(EN, 0, sizeof EN);
+    for (int q = 0; q < n; q++)
+      for (int r = 0; r < n; r++) EN[r] += E[i * n + q] * p->N[q * n + r];
+    for (int j = 0; j <= i; j++) {
+      double sum = 0;
+      for (int r = 0; r < n; r++) sum += EN[r] * E[j * n + r];
+      G[i * n + j] = sum;
+    }
+  }
 }
 
 static double distance_from_identity(int n, const double *G) {
@@ -135,16 +180,21 @@ static double distance_from_identity(int n, const double *G) {
 
 /// B such that the functions are orthogonal; false where that fails.
 static bool orthogonalise(const LthDgSpace *s, LitheIndex cell, int k, const double *moment,
-                          const LthSimplexRule *rule, double *B) {
+                          double *B) {
   int n = lth_monomials3(k);
-  double S[MAX_FUNCS * MAX_FUNCS], C[MAX_FUNCS * MAX_FUNCS];
+  double S[MAX_FUNCS * MAX_FUNCS], C[MAX_FUNCS * MAX_FUNCS], principal[MAX_MOMENTS] = {0};
+  PrincipalFrame frame;
   bool raised = false;
   product_matrix(n, moment, moment[0], S);
   if (inverse_cholesky(n, S, B) > weak_pivot) return true;
   if (!inverse_cholesky_shifted(n, S, B, &raised)) return false;
+  set_axes(s, cell, moment, &frame);
+  principal_moments(s, cell, 2 * k, frame.A, principal);
+  product_matrix(n, principal, principal[0], frame.N);
+  set_transfer(n, frame.X, frame.T);
   double error = 1;
   for (int pass = 0; pass < MAX_PASSES; pass++) {
-    gram_by_values(s, cell, k, n, B, rule, S);
+    principal_gram(n, &frame, B, S);
     double last = error;
     error = distance_from_identity(n, S);
     if (error <= 16 * n * DBL_EPSILON || (pass > 0 && !raised && error >= 0.25 * last)) break;
@@ -176,7 +226,7 @@ static void set_mean_gradient(LthDgSpace *s, LitheIndex cell, int n, const doubl
     }
 }
 
-/// Largest eigenvalue of the boundary's mass matrix over the functions of degree k - 1, which are
+/// Eq. (11): the largest eigenvalue of the boundary's mass matrix over the functions of degree k - 1, which are
 /// orthonormal up to |K|.
 static double trace_constant(const LthDgSpace *s, LitheIndex cell, int k, int n, double volume,
                              const double *B) {
@@ -206,7 +256,7 @@ static double trace_constant(const LthDgSpace *s, LitheIndex cell, int k, int n,
   return values[m - 1];
 }
 
-bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell, const LthSimplexRule *rules) {
+bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell) {
   const LthMesh *mesh = space->mesh;
   int k = space->degree[cell], n = lth_monomials3(k);
   double moment[MAX_MOMENTS] = {0};
@@ -217,7 +267,7 @@ bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell, const LthSimplexRule
     lth_moments_add_face(2 * k, space->center + 3 * cell, space->scale + 3 * cell, &face,
                          lth_mesh_side(mesh, f, cell), moment);
   }
-  if (!(moment[0] > 0) || !orthogonalise(space, cell, k, moment, &rules[k], B)) return false;
+  if (!(moment[0] > 0) || !orthogonalise(space, cell, k, moment, B)) return false;
   set_mean_gradient(space, cell, n, moment, B);
   space->trace_constant[cell] = trace_constant(space, cell, k, n, moment[0], B);
   return true;

@@ -2,9 +2,7 @@
 #pragma once
 
 #include "disc/dg/dg_space.h"
-#include "geometry/quadrature.h"
 
-/// Fill basis, mean_gradient and trace_constant of a cell whose degree, center and scale are set. `rules`
-/// holds the tetrahedron rule of degree 2k for each k. Thread-safe, allocates nothing. False where the
-/// cell is so flat that no basis exists.
-bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell, const LthSimplexRule *rules);
+/// Fill basis, mean_gradient and trace_constant of a cell whose degree, center and scale are set.
+/// Thread-safe, allocates nothing. False where the cell is so flat that no basis exists.
+bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell);

@@ -65,9 +65,6 @@ static LitheStatus fail_flat(LitheCtx *ctx, const LthMesh *mesh, LitheIndex c) {
 /// Bases of all cells; remembers the first cell that has none.
 static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s) {
   const LthMesh *mesh = s->mesh;
-  LthSimplexRule rules[LTH_DG_MAX_DEGREE + 1];
-  for (int k = 0; k <= LTH_DG_MAX_DEGREE; k++)
-    LITHE_TRY(lth_simplex_rule(ctx, 3, 2 * k, &rules[k]));
   LitheIndex flat = s->n_cells;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(lth_threads(ctx)) reduction(min : flat)
   for (LitheIndex c = 0; c < s->n_cells; c++) {
@@ -77,7 +74,7 @@ static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s) {
       s->scale[3 * c + i] = 0.5 * (box[3 + i] - box[i]);
     }
     const double *h = s->scale + 3 * c;
-    if (!(h[0] > 0 && h[1] > 0 && h[2] > 0) || !lth_dg_basis_build(s, c, rules))
+    if (!(h[0] > 0 && h[1] > 0 && h[2] > 0) || !lth_dg_basis_build(s, c))
       flat = c < flat ? c : flat;
   }
   return flat < s->n_cells ? fail_flat(ctx, mesh, flat) : LITHE_OK;
