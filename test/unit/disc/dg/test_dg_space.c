@@ -3,6 +3,7 @@
 #include "polyhedra.h"
 
 #include "disc/dg/dg_space.h"
+#include "geometry/shape.h"
 
 typedef struct Fixture {
   LitheCtx *ctx;
@@ -137,6 +138,29 @@ static void functions_of_slivers_are_orthogonal(void **state) {
       Fixture t = single(&s, k);
       double values = orthogonality(&t, 0, 1e-15 / thickness);
       CHECK_AT_MOST(values, fmax(1e-12, 1e-15 * pow(1 / thickness, k)));
+      close_space(&t);
+    }
+}
+
+static void functions_of_sliced_cells_are_orthogonal(void **state) {
+  (void)state;
+  // a solid and a thin wall, whose cells are plates across the axes with many boundary faces
+  const LthShape shapes[2] = {
+      {.kind = LTH_SHAPE_CAPSULE, .a = {0, 0, 0}, .b = {1, 0.7, 0.4}, .radius = 1},
+      {.kind = LTH_SHAPE_SHELL, .a = {0.1, 0.2, 0.3}, .radius = 1, .inner = 0.9}};
+  for (int i = 0; i < 2; i++)
+    for (int k = 1; k <= 2; k++) {
+      LitheCtx *ctx = test_ctx();
+      LthSurface *surface = NULL;
+      LthMesh *mesh = NULL;
+      LthGrid grid = {.cells = {3, 3, 3}};
+      CHECK_OK(ctx, lth_shape_tessellate(ctx, &shapes[i], 0.25, &surface));
+      lth_surface_bounds(surface, grid.min, grid.max);
+      CHECK_OK(ctx, lth_mesh_slice(ctx, surface, &grid, 0.05, &mesh));
+      Fixture t = open_space(ctx, mesh, k);
+      for (LitheIndex c = 0; c < mesh->n_cells; c++)
+        CHECK_AT_MOST(orthogonality(&t, c, 1e-13), 2e-12);
+      lth_surface_destroy(ctx, &surface);
       close_space(&t);
     }
 }
@@ -414,6 +438,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(functions_are_orthogonal),
       cmocka_unit_test(functions_of_slivers_are_orthogonal),
+      cmocka_unit_test(functions_of_sliced_cells_are_orthogonal),
       cmocka_unit_test(rest_coefficients_give_positions),
       cmocka_unit_test(gradients_match_differences),
       cmocka_unit_test(mean_gradients_are_integrals),
