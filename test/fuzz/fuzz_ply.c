@@ -1,0 +1,6 @@
+/// Fuzz target: .ply files.
+#include "fuzz_surface.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  return fuzz_surface("ply", data, size);
+}
