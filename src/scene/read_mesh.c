@@ -120,6 +120,20 @@ static LitheStatus blame_file(LthReader *r, const LthNode *file, LitheStatus sta
   return LITHE_OK;
 }
 
+/// Write the places of defects where the caller wants them; the text for the message.
+static const char *write_defects(LthReader *r, const LthDefects *defects) {
+  if (!r->defects_path || defects->n == 0) return "";
+  const char *done = NULL;
+  char *message =
+      lth_arena_text(r->arena, lithe_ctx_message(r->ctx), strlen(lithe_ctx_message(r->ctx)));
+  if (lth_defects_write_ply(r->ctx, r->defects_path, defects) == LITHE_OK)
+    done = lth_arena_print(r->arena, "; they are drawn in %s", r->defects_path);
+  else
+    done = lth_arena_print(r->arena, "; they could not be drawn: %s", lithe_ctx_message(r->ctx));
+  lth_fail(r->ctx, LITHE_BAD_INPUT, "%s", message ? message : "");
+  return done ? done : "";
+}
+
 static LitheStatus clean_surface(LthReader *r, const LthNode *file, LthMeshFile *mesh) {
   LthDefects defects = {0};
   LthSurface *surface = NULL;
@@ -128,7 +142,8 @@ static LitheStatus clean_surface(LthReader *r, const LthNode *file, LthMeshFile 
     status = lth_own_surface(r, surface);
     mesh->surface = status == LITHE_OK ? surface : NULL;
   } else {
-    status = blame_file(r, file, status, "");
+    const char *more = status == LITHE_BAD_INPUT ? write_defects(r, &defects) : "";
+    status = blame_file(r, file, status, more);
   }
   lth_defects_free(r->ctx, &defects);
   return status;

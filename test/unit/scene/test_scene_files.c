@@ -164,6 +164,23 @@ static void blames_bad_files_at_their_name(void **state) {
                     "scene.yaml:8:59: colliders.0.sphere.motion.keys: short.csv:1: ");
 }
 
+static void writes_the_places_of_defects(void **state) {
+  (void)state;
+  char path[300], defects[300];
+  write_file("scene.yaml", MESH("{file: open.obj, fit: 0.1}", ""));
+  snprintf(path, sizeof path, "%s/scene.yaml", folder);
+  snprintf(defects, sizeof defects, "%s/defects.ply", folder);
+  Reading r = {.ctx = test_ctx()};
+  r.status = lth_scene_read(r.ctx, path, NULL, 0, defects, &r.errors, &r.scene);
+  assert_int_equal(r.status, LITHE_BAD_INPUT);
+  assert_int_equal(r.errors.n, 1);
+  assert_non_null(strstr(r.errors.lines[0], "; they are drawn in "));
+  assert_non_null(strstr(r.errors.lines[0], defects));
+  assert_int_equal(access(defects, R_OK), 0);
+  assert_int_equal(unlink(defects), 0);
+  end_reading(&r);
+}
+
 static void opens_no_file_for_text_of_unknown_origin(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -212,6 +229,7 @@ int main(void) {
       cmocka_unit_test(embeds_another_file_as_the_body_is_placed),
       cmocka_unit_test(moves_colliders_by_tables),
       cmocka_unit_test(blames_bad_files_at_their_name),
+      cmocka_unit_test(writes_the_places_of_defects),
       cmocka_unit_test(opens_no_file_for_text_of_unknown_origin),
       cmocka_unit_test(reads_the_scenes_that_come_with_it),
   };
