@@ -3,6 +3,9 @@
 
 #include "base/tensor.h"
 
+/// Up to this many faces, waking threads costs more than it saves.
+#define SERIAL 4096
+
 /// Twice the area vector of a face, summed about its first point.
 static void area_vector(const LthFaceView *face, double n[3]) {
   const double *o = face->points + 3 * face->loop_point[face->loop_off[0]];
@@ -41,7 +44,7 @@ LitheStatus lth_mesh_measure_faces(LitheCtx *ctx, LthMesh *m) {
   LTH_NEW(ctx, m->face_normal, 3 * (LitheCount)m->n_faces);
   LTH_NEW(ctx, m->face_area, m->n_faces);
   LTH_NEW(ctx, m->face_centroid, 3 * (LitheCount)m->n_faces);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) if (m->n_faces > SERIAL)
   for (LitheIndex f = 0; f < m->n_faces; f++) {
     LthFaceView face = lth_mesh_face(m, f);
     double *n = m->face_normal + 3 * f, moment[3];
@@ -97,7 +100,7 @@ LitheStatus lth_mesh_measure_cells(LitheCtx *ctx, LthMesh *m) {
   LTH_NEW(ctx, m->cell_volume, m->n_cells);
   LTH_NEW(ctx, m->cell_centroid, 3 * (LitheCount)m->n_cells);
   LTH_NEW(ctx, m->cell_box, 6 * (LitheCount)m->n_cells);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) if (m->n_faces > SERIAL)
   for (LitheIndex c = 0; c < m->n_cells; c++) {
     double *box = m->cell_box + 6 * c, *x = m->cell_centroid + 3 * c;
     double volume = 0, moment[3] = {0, 0, 0};

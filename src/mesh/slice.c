@@ -85,6 +85,8 @@ static LitheStatus add_triangles(Slicer *s) {
 }
 
 static LitheStatus start(Slicer *s, const LthGrid *grid) {
+  for (LitheCount i = 0; i < 3 * (LitheCount)s->surface->n_points; i++)
+    s->rounding = fmax(s->rounding, DBL_EPSILON * fabs(s->surface->points[i]));
   s->cell_volume = 1;
   for (int a = 0; a < 3; a++) {
     s->cells[a] = grid->cells[a];
@@ -118,7 +120,6 @@ static LitheStatus slice(Slicer *s, const LthGrid *grid, double sliver, LthMesh 
   for (int axis = 0; axis < 3; axis++) LITHE_TRY(lth_slice_pass(s, axis));
   LITHE_TRY(report(s, 0));
   LITHE_TRY(lth_slice_weld(s));
-  LITHE_TRY(lth_slice_settle_coplanar(s));
   LITHE_TRY(report(s, 0.2));
   LITHE_TRY(lth_slice_make_parts(s));
   LITHE_TRY(report(s, 0.4));

@@ -7,7 +7,7 @@
 /// The steps, one file each:
 ///   slice_clip.c     three passes: pieces are cut by all planes of an axis; cut edges go to caps
 ///   slice_cap.c      caps: pieces in grid planes, from the edges that the cuts left behind
-///   slice_weld.c     coincident points become one; faces in grid planes go to the cell they belong to
+///   slice_weld.c     coincident points become one
 ///   slice_trace.c    cycles to loops of points
 ///   slice_loops.c    loops to connected parts with their holes
 ///   slice_cells.c    parts to elements: those that share edges in a cell; cavities to what holds them
@@ -74,6 +74,7 @@ typedef struct Slicer {
   LitheIndex cells[3];
   double *plane[3];   ///< positions of all planes   (cells + 1)
   double cell_volume; ///< of a full cell [m^3]
+  double rounding;    ///< of the largest coordinate [m]
   double *point;      ///< (n_points x 3)
   LitheCount n_points, point_cap;
   SlicePieces pieces;
@@ -98,9 +99,6 @@ void lth_slice_free_caps(LitheCtx *ctx, SliceCaps *caps);
 
 /// Make points of equal coordinates one, and cancel opposite edges within pieces.
 LitheStatus lth_slice_weld(Slicer *s);
-
-/// Give boundary pieces in grid planes to the cell that they bound.
-LitheStatus lth_slice_settle_coplanar(Slicer *s);
 
 /// Cancel opposite edges of a list in place, a multiplicity left over stays; returns their new number.
 LitheIndex lth_slice_cancel(LitheIndex *edge, LitheIndex n);

@@ -20,6 +20,8 @@ typedef struct Pass {
   Slicer *s;
   int axis;
   LitheIndex *slab; ///< of the points before the pass
+  bool *on_plane;   ///< of those points: exactly on the plane below their slab
+  LthHash dips;     ///< edges in planes that go through the low side
   LthHash cut;      ///< undirected edge -> its first new point; the others follow, plane by plane
   SlicePieces out;
   SliceCaps caps;
@@ -43,8 +45,56 @@ static LitheIndex slab_of(const double *plane, LitheIndex cells, double x) {
 static LitheStatus classify_points(Pass *p) {
   Slicer *s = p->s;
   LTH_NEW(s->ctx, p->slab, s->n_points);
-  for (LitheCount i = 0; i < s->n_points; i++)
-    p->slab[i] = slab_of(s->plane[p->axis], s->cells[p->axis], s->point[3 * i + p->axis]);
+  LTH_NEW(s->ctx, p->on_plane, s->n_points);
+  for (LitheCount i = 0; i < s->n_points; i++) {
+    double x = s->point[3 * i + p->axis];
+    LitheIndex k = slab_of(s->plane[p->axis], s->cells[p->axis], x);
+    p->slab[i] = k;
+    p->on_plane[i] = k > 0 && x == s->plane[p->axis][k];
+  }
+  return LITHE_OK;
+}
+
+static uint64_t edge_key(LitheIndex a, LitheIndex b) {
+  return lth_hash_pair(a < b ? a : b, a < b ? b : a);
+}
+
+static bool is_in_plane(const Pass *p, LitheIndex a, LitheIndex b) {
+  return p->on_plane[a] && p->on_plane[b] && p->slab[a] == p->slab[b];
+}
+
+/// True if a triangle lies in a plane and its outside is the plane's high side.
+static bool is_top(const Pass *p, LitheIndex triangle) {
+  const LitheIndex *t = p->s->surface->tris + 3 * (LitheCount)triangle;
+  if (!is_in_plane(p, t[0], t[1]) || !is_in_plane(p, t[1], t[2])) return false;
+  return lth_slice_loop_area(p->s->point, t, 3, p->axis) > 0;
+}
+
+/// True if the interior of a cap, on the left of its edges, is on the low side of the edge a b that lies
+/// in a plane.
+static bool is_above_cap(const Pass *p, int cap_axis, LitheIndex a, LitheIndex b) {
+  bool is_first = (cap_axis + 1) % 3 == p->axis;
+  int along = (cap_axis + (is_first ? 2 : 1)) % 3;
+  double d = p->s->point[3 * (LitheCount)b + along] - p->s->point[3 * (LitheCount)a + along];
+  return is_first ? d > 0 : d < 0;
+}
+
+/// A point on a plane is on its high side, but not so the edges with the solid below them: those of faces
+/// that look up from the plane, and upper edges of caps. They dip: from their ends through the plane and
+/// along its low side. Then whole faces in planes are where the solid is that they bound, and what
+/// stands on such a face is not connected by it.
+static LitheStatus find_dips(Pass *p) {
+  const SlicePieces *in = &p->s->pieces;
+  for (LitheCount i = 0; i < in->n; i++) {
+    const SlicePiece *piece = in->piece + i;
+    bool is_boundary = piece->axis == SLICE_BOUNDARY;
+    if (is_boundary && !is_top(p, piece->tag)) continue;
+    for (LitheCount j = piece->first; j < piece->first + piece->count; j++) {
+      LitheIndex a = in->edge[2 * j], b = in->edge[2 * j + 1], kept = 0;
+      if (is_in_plane(p, a, b) && (is_boundary || is_above_cap(p, piece->axis, a, b)))
+        LITHE_TRY(lth_hash_insert(p->s->ctx, &p->dips, edge_key(a, b), 0, 0, &kept));
+    }
+  }
   return LITHE_OK;
 }
 
@@ -70,23 +120,34 @@ static void intersect(const double *a, const double *b, int axis, double value, 
   x[axis] = value;
 }
 
+/// The first of `n` new points of an edge: existing ones, or room for them. `*is_new` says which.
+static LitheStatus edge_points(Pass *p, LitheIndex a, LitheIndex b, LitheIndex n, LitheIndex *first,
+                               bool *is_new) {
+  Slicer *s = p->s;
+  if (s->n_points + n >= INT32_MAX)
+    LITHE_FAIL(s->ctx, LITHE_UNSUPPORTED, "slicing: more than 2^31 points; use larger cells");
+  LitheIndex fresh = (LitheIndex)s->n_points;
+  LITHE_TRY(lth_hash_insert(s->ctx, &p->cut, edge_key(a, b), 0, fresh, first));
+  *is_new = *first == fresh;
+  if (!*is_new) return LITHE_OK;
+  LTH_RESERVE(s->ctx, s->point, s->point_cap, 3 * (s->n_points + n));
+  s->n_points += n;
+  return LITHE_OK;
+}
+
 /// First of the points in which the edge {a, b} meets planes low + 1 .. high. They depend on the
 /// coordinates of the ends only, so coincident edges are cut in coincident points.
 static LitheStatus cut_edge(Pass *p, LitheIndex a, LitheIndex b, LitheIndex low, LitheIndex high,
                             LitheIndex *first) {
-  Slicer *s = p->s;
-  if (s->n_points + (high - low) >= INT32_MAX)
-    LITHE_FAIL(s->ctx, LITHE_UNSUPPORTED, "slicing: more than 2^31 points; use larger cells");
-  LitheIndex fresh = (LitheIndex)s->n_points;
-  LITHE_TRY(lth_hash_insert(s->ctx, &p->cut, lth_hash_pair(a < b ? a : b, a < b ? b : a), 0, fresh,
-                            first));
-  if (*first != fresh) return LITHE_OK;
-  LTH_RESERVE(s->ctx, s->point, s->point_cap, 3 * (s->n_points + high - low));
-  const double *x = s->point + 3 * (LitheCount)a, *y = s->point + 3 * (LitheCount)b;
+  bool is_new = false;
+  LITHE_TRY(edge_points(p, a, b, high - low, first, &is_new));
+  if (!is_new) return LITHE_OK;
+  double *point = p->s->point;
+  const double *x = point + 3 * (LitheCount)a, *y = point + 3 * (LitheCount)b;
   bool swap = is_before(y, x);
   for (LitheIndex k = low + 1; k <= high; k++)
-    intersect(swap ? y : x, swap ? x : y, p->axis, s->plane[p->axis][k],
-              s->point + 3 * s->n_points++);
+    intersect(swap ? y : x, swap ? x : y, p->axis, p->s->plane[p->axis][k],
+              point + 3 * (LitheCount)(*first + (k - low - 1)));
   return LITHE_OK;
 }
 
@@ -102,9 +163,29 @@ static LitheStatus add_crossing(Pass *p, LitheIndex plane, LitheIndex point, Lit
   return LITHE_OK;
 }
 
+/// Lead an edge in a plane along its low side, through twins of its ends.
+static LitheStatus dip_edge(Pass *p, LitheIndex a, LitheIndex b) {
+  LitheIndex k = p->slab[a], first = 0;
+  bool is_new = false;
+  LITHE_TRY(edge_points(p, a, b, 2, &first, &is_new));
+  LitheIndex twin_a = a < b ? first : first + 1, twin_b = a < b ? first + 1 : first;
+  for (int i = 0; i < 3 && is_new; i++) {
+    p->s->point[3 * (LitheCount)twin_a + i] = p->s->point[3 * (LitheCount)a + i];
+    p->s->point[3 * (LitheCount)twin_b + i] = p->s->point[3 * (LitheCount)b + i];
+  }
+  LITHE_TRY(add_sub(p, k, a, twin_a));
+  LITHE_TRY(add_crossing(p, k, twin_a, -1));
+  LITHE_TRY(add_sub(p, k - 1, twin_a, twin_b));
+  LITHE_TRY(add_crossing(p, k, twin_b, 1));
+  return add_sub(p, k, twin_b, b);
+}
+
 static LitheStatus split_edge(Pass *p, LitheIndex a, LitheIndex b) {
   LitheIndex slab_a = p->slab[a], slab_b = p->slab[b];
-  if (slab_a == slab_b) return add_sub(p, slab_a, a, b);
+  if (slab_a == slab_b) {
+    bool dips = is_in_plane(p, a, b) && lth_hash_find(&p->dips, edge_key(a, b), 0) >= 0;
+    return dips ? dip_edge(p, a, b) : add_sub(p, slab_a, a, b);
+  }
   bool up = slab_a < slab_b;
   LitheIndex low = up ? slab_a : slab_b, high = up ? slab_b : slab_a, first = 0, from = a;
   LITHE_TRY(cut_edge(p, a, b, low, high, &first));
@@ -237,6 +318,7 @@ LitheStatus lth_slice_pass(Slicer *s, int axis) {
   Pass p = {.s = s, .axis = axis};
   LitheStatus status = LITHE_OK;
   LITHE_TRY_OR(done, classify_points(&p));
+  LITHE_TRY_OR(done, find_dips(&p));
   LITHE_TRY_OR(done, split_all(&p));
   SlicePieces swap = s->pieces;
   s->pieces = p.out;
@@ -245,7 +327,8 @@ done:
   lth_slice_free_pieces(s->ctx, &p.out);
   lth_slice_free_caps(s->ctx, &p.caps);
   lth_hash_free(s->ctx, &p.cut);
-  void *blocks[] = {p.slab, p.sub, p.sorted, p.cross, p.start, p.queue};
-  for (int i = 0; i < 6; i++) lth_free(s->ctx, blocks[i]);
+  lth_hash_free(s->ctx, &p.dips);
+  void *blocks[] = {p.slab, p.on_plane, p.sub, p.sorted, p.cross, p.start, p.queue};
+  for (int i = 0; i < 7; i++) lth_free(s->ctx, blocks[i]);
   return status;
 }

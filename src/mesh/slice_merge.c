@@ -6,6 +6,8 @@
 /// An element whose volume is below this share of its area to the power 3/2 has none: its size along
 /// one direction is rounding.
 #define NO_VOLUME 1e-12
+/// So it is where its volume is below this many units of rounding times its area.
+#define NO_THICKNESS 16
 /// A common face below this share of an element's area is a line or a point.
 #define NO_CONTACT 1e-13
 /// What may be lost where an element without volume has no neighbour, as a share of a full cell.
@@ -34,12 +36,14 @@ static LitheIndex find_root(LitheIndex *parent, LitheIndex i) {
   return i;
 }
 
-static bool has_no_volume(const SliceElements *e, LitheIndex i) {
-  return !(e->volume[i] > NO_VOLUME * e->area[i] * sqrt(e->area[i]));
+static bool has_no_volume(const Slicer *s, LitheIndex i) {
+  const SliceElements *e = &s->elements;
+  double thickness = fmax(NO_VOLUME * sqrt(e->area[i]), NO_THICKNESS * s->rounding);
+  return !(e->volume[i] > thickness * e->area[i]);
 }
 
 static bool is_sliver(const Merger *m, LitheIndex i) {
-  return m->s->elements.volume[i] < m->limit || has_no_volume(&m->s->elements, i);
+  return m->s->elements.volume[i] < m->limit || has_no_volume(m->s, i);
 }
 
 static bool is_smaller(HeapEntry a, HeapEntry b) {
@@ -143,7 +147,7 @@ static LitheStatus unite(Merger *m, LitheIndex sliver, LitheIndex neighbour) {
 static LitheStatus leave(Merger *m, LitheIndex root) {
   SliceElements *e = &m->s->elements;
   bool is_lost = fabs(e->volume[root]) <= LOSS * m->s->cell_volume;
-  if (is_lost && has_no_volume(e, root)) e->group[root] = -1;
+  if (is_lost && has_no_volume(m->s, root)) e->group[root] = -1;
   if (is_lost || e->volume[root] > 0) return LITHE_OK;
   LITHE_FAIL(m->s->ctx, LITHE_BAD_INPUT,
              "slicing: a part of the surface encloses %g m^3: it is inside out or crosses another "

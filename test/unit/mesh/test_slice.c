@@ -158,6 +158,19 @@ static void cubes_that_touch_in_a_vertex_stay_apart(void **state) {
   end(ctx);
 }
 
+static void towers_on_a_floor_in_a_plane_stay_apart(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  // two towers on a slab, with a wall behind; the cell above the floor line holds towers and wall
+  const char towers[] = {1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 1, 1},
+             hanging[] = {1, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  LthGrid g = {{0, 0, 0}, {3, 2, 2}, {1, 2, 2}};
+  // floor and roof rows are whole; of the other two rows one is whole, one is two towers
+  expect_elements(solid_cubes(ctx, towers, 3, 2, 2), ctx, &g, 5);
+  expect_elements(solid_cubes(ctx, hanging, 3, 2, 2), ctx, &g, 5);
+  end(ctx);
+}
+
 /// A sphere with a concentric cavity of radius `inner`, and a core of radius `core` if that is > 0.
 static LthSurface *shell(LitheCtx *ctx, double inner, double core, int n) {
   LthSurface *s = solid_sphere(ctx, n);
@@ -393,6 +406,7 @@ int main(void) {
       cmocka_unit_test(staircase_in_grid_planes_gives_whole_cells),
       cmocka_unit_test(ring_with_a_hole_on_the_grid),
       cmocka_unit_test(legs_in_one_cell_are_two_elements),
+      cmocka_unit_test(towers_on_a_floor_in_a_plane_stay_apart),
       cmocka_unit_test(cubes_that_touch_in_a_vertex_stay_apart),
       cmocka_unit_test(cavities_belong_to_what_is_around_them),
       cmocka_unit_test(hollow_cubes_on_the_grid),
