@@ -54,7 +54,7 @@ static void check_one_element_a_cell(const LthMesh *m, const LthGrid *g) {
 static void tetrahedra_on_lattices(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
-  for (int i = 0; i < 60; i++) {
+  for (int i = 0; i < 300; i++) {
     double step = i % 3 == 0 ? 1 : i % 3 == 1 ? 0.5 : 1.0 / 3;
     LthSurface *s = lattice_tetrahedron(ctx, 5, step);
     LthGrid g = {{0, 0, 0}, {4 * step, 4 * step, 4 * step}, {4, 4, 4}};
@@ -118,7 +118,7 @@ static void unions_of_cubes(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
   int n[3] = {4, 4, 3};
-  for (int i = 0; i < 30; i++) {
+  for (int i = 0; i < 100; i++) {
     char full[48] = {0};
     double density = 0.3 + 0.6 * test_random(&seed);
     for (int j = 0; j < 48; j++) full[j] = test_random(&seed) < density;
@@ -183,7 +183,7 @@ static LthSurface *random_round_solid(LitheCtx *ctx) {
 static void round_solids(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
-  for (int i = 0; i < 30; i++) {
+  for (int i = 0; i < 150; i++) {
     LthSurface *s = random_round_solid(ctx);
     LthGrid g;
     solid_bounds(s, g.min, g.max);
