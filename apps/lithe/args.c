@@ -1,0 +1,235 @@
+/// The command line: one command, its scene and its options.
+#include "args.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, ALL = RUN | CHECK | MESH | INFO };
+
+static const struct {
+  const char *name;
+  int bit;
+  bool takes_scene;
+  const char *usage, *purpose;
+} commands[] = {
+    {"run", RUN, true, "lithe run SCENE [-o DIR] [options]", "run a scene and write its result"},
+    {"check", CHECK, true, "lithe check SCENE [options]",
+     "check a scene and say what a run would need"},
+    {"mesh", MESH, true, "lithe mesh SCENE [-o FILE.vtu] [options]",
+     "make the mesh only, report its quality"},
+    {"info", INFO, false, "lithe info", "print version, build options, engines and licence"},
+};
+
+static const struct {
+  const char *name, *alias, *value; ///< value NULL: takes none
+  int commands;
+  const char *purpose;
+} options[] = {
+    {"--out", "-o", "PATH", RUN | MESH,
+     "where to write (run: a folder, out/<scene name> if not given)"},
+    {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH,
+     "override a value: --set bodies.0.method.degree=2"},
+    {"--threads", NULL, "N", RUN | CHECK | MESH, "threads to use (all cores if not given)"},
+    {"--json", NULL, NULL, RUN | CHECK | MESH, "print the result as JSON on standard output"},
+    {"--quiet", "-q", NULL, RUN | CHECK | MESH, "print nothing but errors"},
+    {"--help", "-h", NULL, ALL, "print this help"},
+    {"--version", NULL, NULL, ALL, "print the version"},
+};
+
+#define COUNT(list) ((int)(sizeof(list) / sizeof(list)[0]))
+
+/// Edit distance of two words (letters put in, left out, exchanged for another), at most 31 letters.
+static int distance(const char *a, const char *b) {
+  int row[32], n = (int)strlen(b);
+  if (n > 31 || strlen(a) > 31) return 99;
+  for (int j = 0; j <= n; j++) row[j] = j;
+  for (int i = 1; a[i - 1]; i++) {
+    int corner = row[0];
+    row[0] = i;
+    for (int j = 1; j <= n; j++) {
+      int best = corner + (a[i - 1] != b[j - 1]);
+      if (row[j] + 1 < best) best = row[j] + 1;
+      if (row[j - 1] + 1 < best) best = row[j - 1] + 1;
+      corner = row[j];
+      row[j] = best;
+    }
+  }
+  return row[n];
+}
+
+static const char *nearest_command(const char *word) {
+  int best = 0;
+  for (int i = 1; i < COUNT(commands); i++)
+    if (distance(word, commands[i].name) < distance(word, commands[best].name)) best = i;
+  return commands[best].name;
+}
+
+static const char *nearest_option(const char *word, int bit) {
+  const char *best = NULL;
+  for (int i = 0; i < COUNT(options); i++)
+    if ((options[i].commands & bit) &&
+        (!best || distance(word, options[i].name) < distance(word, best)))
+      best = options[i].name;
+  return best;
+}
+
+static int find_command(const char *word) {
+  for (int i = 0; i < COUNT(commands); i++)
+    if (strcmp(word, commands[i].name) == 0) return i;
+  return -1;
+}
+
+static int find_option(const char *word, size_t length) {
+  for (int i = 0; i < COUNT(options); i++) {
+    const char *name = options[i].name, *alias = options[i].alias;
+    if ((strlen(name) == length && strncmp(word, name, length) == 0) ||
+        (alias && strlen(alias) == length && strncmp(word, alias, length) == 0))
+      return i;
+  }
+  return -1;
+}
+
+static bool set_threads(const char *value, Args *args) {
+  char *end;
+  long n = strtol(value, &end, 10);
+  if (end == value || *end || n < 1 || n > 4096) {
+    fprintf(stderr, "lithe: --threads: expected a number from 1 to 4096, got '%s'\n", value);
+    return false;
+  }
+  args->threads = (int)n;
+  return true;
+}
+
+static bool add_set(const char *value, Args *args) {
+  const char *equals = strchr(value, '=');
+  if (!equals || equals == value) {
+    fprintf(stderr, "lithe: --set: expected KEY=VALUE, as in bodies.0.method.degree=2, got '%s'\n",
+            value);
+    return false;
+  }
+  if (args->n_sets == ARGS_MAX_SETS) {
+    fprintf(stderr, "lithe: --set: at most %d values can be overridden\n", ARGS_MAX_SETS);
+    return false;
+  }
+  args->sets[args->n_sets++] = value;
+  return true;
+}
+
+static bool apply(int option, const char *value, Args *args) {
+  const char *name = options[option].name;
+  if (strcmp(name, "--set") == 0) return add_set(value, args);
+  if (strcmp(name, "--threads") == 0) return set_threads(value, args);
+  if (strcmp(name, "--out") == 0) args->out = value;
+  if (strcmp(name, "--json") == 0) args->json = true;
+  if (strcmp(name, "--quiet") == 0) args->quiet = true;
+  if (strcmp(name, "--help") == 0) args->help = true;
+  if (strcmp(name, "--version") == 0) args->version = true;
+  return true;
+}
+
+/// One option at argv[*i], its value behind "=" or in the next word; moves *i on.
+static bool parse_option(int argc, char **argv, int *i, int bit, Args *args) {
+  const char *word = argv[*i], *value = NULL;
+  const char *equals = word[1] == '-' ? strchr(word, '=') : NULL;
+  size_t length = equals ? (size_t)(equals - word) : strlen(word);
+  int option = find_option(word, length);
+  if (option < 0 || !(options[option].commands & bit)) {
+    fprintf(stderr, "lithe: unknown option '%s'%s%s; did you mean '%s'?\n", word,
+            args->command ? " for " : "", args->command ? args->command : "",
+            nearest_option(word, bit));
+    return false;
+  }
+  if (options[option].value) {
+    value = equals ? equals + 1 : *i + 1 < argc ? argv[++*i] : NULL;
+    if (!value || !*value) {
+      fprintf(stderr, "lithe: option '%s' needs a value: %s %s\n", word, options[option].name,
+              options[option].value);
+      return false;
+    }
+  } else if (equals) {
+    fprintf(stderr, "lithe: option '%s' takes no value, got '%s'\n", options[option].name,
+            equals + 1);
+    return false;
+  }
+  return apply(option, value, args);
+}
+
+static bool parse_word(const char *word, Args *args) {
+  if (!args->command) {
+    if (find_command(word) < 0) {
+      fprintf(stderr, "lithe: unknown command '%s'; did you mean '%s'?\n", word,
+              nearest_command(word));
+      return false;
+    }
+    args->command = word;
+    return true;
+  }
+  if (args->scene || !commands[find_command(args->command)].takes_scene) {
+    fprintf(stderr, "lithe: %s: one word too many: '%s'\nusage: %s\n", args->command, word,
+            commands[find_command(args->command)].usage);
+    return false;
+  }
+  args->scene = word;
+  return true;
+}
+
+/// A command that takes a scene has one.
+static bool is_complete(const Args *args) {
+  if (args->help || args->version) return true;
+  if (!args->command) {
+    fprintf(stderr,
+            "lithe: a command is missing: run, check, mesh or info; 'lithe --help' says more\n");
+    return false;
+  }
+  int command = find_command(args->command);
+  if (!commands[command].takes_scene || args->scene) return true;
+  fprintf(stderr, "lithe: %s: a scene file is missing\nusage: %s\n", args->command,
+          commands[command].usage);
+  return false;
+}
+
+bool args_parse(int argc, char **argv, Args *args) {
+  bool only_words = false;
+  *args = (Args){0};
+  for (int i = 1; i < argc; i++) {
+    int bit = args->command ? commands[find_command(args->command)].bit : ALL;
+    if (!only_words && strcmp(argv[i], "--") == 0) {
+      only_words = true;
+    } else if (!only_words && argv[i][0] == '-' && argv[i][1]) {
+      if (!parse_option(argc, argv, &i, bit, args)) return false;
+    } else if (!parse_word(argv[i], args)) {
+      return false;
+    }
+  }
+  return is_complete(args);
+}
+
+static void print_options(int bit) {
+  printf("\nOptions:\n");
+  for (int i = 0; i < COUNT(options); i++) {
+    if (!(options[i].commands & bit)) continue;
+    char left[40];
+    snprintf(left, sizeof left, "%s%s%s%s%s", options[i].alias ? options[i].alias : "",
+             options[i].alias ? ", " : "", options[i].name, options[i].value ? " " : "",
+             options[i].value ? options[i].value : "");
+    printf("  %-22s %s\n", left, options[i].purpose);
+  }
+}
+
+void args_print_help(const char *command) {
+  int c = command ? find_command(command) : -1;
+  if (c >= 0) {
+    printf("usage: %s\n\n%s\n", commands[c].usage, commands[c].purpose);
+    print_options(commands[c].bit);
+    return;
+  }
+  printf("usage: lithe COMMAND [SCENE] [options]\n\n"
+         "Elastic solids without a conforming volume mesh.\n\nCommands:\n");
+  for (int i = 0; i < COUNT(commands); i++)
+    printf("  %-8s %s\n", commands[i].name, commands[i].purpose);
+  print_options(ALL);
+  printf(
+      "\nExit status: 0 done, 2 bad usage or input, 3 did not converge, 4 out of memory or disk,\n"
+      "130 interrupted.\n");
+}

@@ -1,0 +1,23 @@
+/// The command line: one command, its scene and its options.
+#pragma once
+
+#include <stdbool.h>
+
+#define ARGS_MAX_SETS 256
+
+/// Text is borrowed from argv.
+typedef struct Args {
+  const char *command;             ///< NULL: none was given
+  const char *scene;               ///< NULL where the command takes none
+  const char *out;                 ///< -o, or NULL
+  const char *sets[ARGS_MAX_SETS]; ///< --set path=value, in order           (n_sets)
+  int n_sets;
+  bool json, quiet, help, version;
+  int threads; ///< 0: not given
+} Args;
+
+/// Parse and check. On false a message has gone to standard error: exit with status 2.
+bool args_parse(int argc, char **argv, Args *args);
+
+/// Print the help of a command, or of the program where it is NULL.
+void args_print_help(const char *command);

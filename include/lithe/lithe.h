@@ -1,0 +1,7 @@
+/// Everything public: include this one.
+#pragma once
+
+#include "lithe/base.h"
+#include "lithe/info.h"
+#include "lithe/run.h"
+#include "lithe/scene.h"

@@ -1,0 +1,73 @@
+/// What can be done with a scene: run it, predict what a run would cost, make its mesh.
+#pragma once
+
+#include "lithe/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// The figures of a run in short; result.json has them all.
+typedef struct LitheRunSummary {
+  LitheIndex elements;
+  LitheCount unknowns;
+  LitheIndex frames;       ///< output times written
+  double simulated;        ///< [s] of the scene's time
+  double max_displacement; ///< [m] at the end
+  double max_von_mises;    ///< [Pa] at the end
+  double penetration;      ///< deepest contact at the end [m]
+  double seconds;          ///< wall clock
+  bool converged;
+} LitheRunSummary;
+
+/// A finished run: its folder and the text of its result.json.
+typedef struct LitheResult LitheResult;
+
+/// Run a scene and write its result into `folder` (NULL: out/<scene name>). Free `*result` with
+/// lithe_result_destroy(), after a failure too.
+/// @return LITHE_OK. LITHE_NOT_CONVERGED, LITHE_INTERRUPTED: all files are valid and result.json says so.
+/// LITHE_BAD_INPUT: the scene selects nothing, or nothing holds a static body, ... LITHE_NO_MEMORY.
+/// LITHE_NO_SPACE: cannot write; there is no result.json then.
+LITHE_API LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                                LitheResult **result);
+
+/// Borrowed until the result is destroyed. The text is "" where no result.json was written.
+LITHE_API const char *lithe_result_json(const LitheResult *result);
+LITHE_API const char *lithe_result_folder(const LitheResult *result);
+LITHE_API LitheRunSummary lithe_result_summary(const LitheResult *result);
+LITHE_API void lithe_result_destroy(LitheCtx *ctx, LitheResult **result);
+
+/// What a run would need.
+typedef struct LitheForecast {
+  LitheIndex elements, inner_faces;
+  LitheCount unknowns, nonzeros; ///< of the system matrix
+  LitheCount steps;              ///< time steps or static solves
+  LitheIndex frames;             ///< output times
+  double volume;                 ///< [m^3]
+  double memory;                 ///< [byte], predicted
+  double seconds;                ///< predicted; good to a factor of three or so
+  const char *linear;            ///< linear solver that would be taken
+} LitheForecast;
+
+/// Make the mesh, but nothing after it, and predict the rest.
+LITHE_API LitheStatus lithe_check(LitheCtx *ctx, const LitheScene *scene, LitheForecast *forecast);
+
+/// What a mesh is like.
+typedef struct LitheMeshReport {
+  LitheIndex elements, faces, inner_faces, boundary_faces;
+  LitheIndex merged;           ///< slivers merged into a neighbour
+  LitheIndex components;       ///< parts that hang together
+  double volume, surface_area; ///< [m^3], [m^2]
+  double min_volume, max_volume;
+  double max_gap;    ///< largest |sum of area times normal| of an element over its area
+  double max_aspect; ///< largest ratio of an element's bounding box
+  double seconds;    ///< to make it
+} LitheMeshReport;
+
+/// Make the mesh of a scene's body, write it as .vtu (`path` NULL: not) and tell what it is like.
+LITHE_API LitheStatus lithe_mesh(LitheCtx *ctx, const LitheScene *scene, const char *path,
+                                 LitheMeshReport *report);
+
+#ifdef __cplusplus
+}
+#endif

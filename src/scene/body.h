@@ -1,0 +1,76 @@
+/// A body as it is simulated: everything that is built from a scene's description of it.
+#pragma once
+
+#include "scene/scene.h"
+#include "step/simulation.h"
+
+/// What strong constraints prescribe (build_strong.c).
+typedef struct LthStrong LthStrong;
+
+/// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`.
+typedef struct LthBody {
+  const LthScene *scene;
+  const LthSceneBody *def;
+
+  // shape -> mesh (build_mesh.c)
+  LthSurface *surface; ///< closed surface in scene axes; NULL for plain boxes of cells
+  LthMesh *mesh;
+  double box[6]; ///< of the mesh: min, max [m]
+  double size;   ///< longest side of it [m]
+
+  // space and material (build_material.c)
+  LthDgSpace *space;
+  LitheIndex *label; ///< entry of the material list                    (n_cells)
+  double *young, *poisson, *density, *yield; ///< per cell; yield 0: not given  (n_cells)
+  bool warped;
+  double damping_mass, damping_stiffness;
+  double mass; ///< [kg]
+
+  // constraints and loads (build_constraint.c, build_load.c)
+  LthPatches **patches; ///< of constraints, then of loads; NULL where there are none
+  LthWeakConstraint *weak;
+  LitheIndex *weak_of; ///< scene constraint behind each weak one          (n_weak)
+  LitheIndex n_weak;
+  LthStrong *strong; ///< NULL: none
+  LthLoad *loads;
+  LitheIndex n_loads;
+
+  LthDgOperator *op;
+
+  // what follows the body, and what it touches (build_embedding.c)
+  LthSoup *own_soup;       ///< of the tessellated shape where no file gave one
+  const LthSoup *soup;     ///< the embedded surface, or NULL
+  LthEmbedding *embedding; ///< of soup's points, or NULL
+  LthEmbedding *nodes;     ///< coarse nodes as contact points, or NULL
+  LthContact *contact;     ///< or NULL
+
+  LthSimulation *sim;
+} LthBody;
+
+/// Build all of it. `times` (2): seconds spent on the mesh and on all integration.
+LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, double *times, LthBody **body);
+void lth_body_destroy(LitheCtx *ctx, LthBody **body);
+
+/// The steps of lth_body_create(), in order.
+LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_embedding(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
+
+/// The grid that a body's resolution asks for, over the box of its shape.
+LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],
+                           const double max[3], LthGrid *grid);
+
+/// The patches that `where` selects; none is an error that names `path` and the body's box.
+LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *path,
+                              const LthWhere *where, LthPatches **patches);
+
+/// Strong constraints: for every cell whether it moves as prescribed, and its coefficients at a time.
+LitheStatus lth_strong_create(LitheCtx *ctx, const LthBody *body, LthStrong **strong);
+void lth_strong_destroy(LitheCtx *ctx, LthStrong **strong);
+const uint8_t *lth_strong_cells(const LthStrong *strong);
+/// Fits LthBodyDef.prescribe.
+LitheStatus lth_strong_prescribe(const void *strong, double t, double *x);

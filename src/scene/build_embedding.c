@@ -1,0 +1,94 @@
+/// The surface that follows a body.
+#include "scene/body.h"
+
+#include "base/tensor.h"
+
+/// A triangle surface as polygons of its own.
+static LitheStatus soup_from_surface(LitheCtx *ctx, const LthSurface *surface, LthSoup **soup) {
+  LTH_NEW(ctx, *soup, 1);
+  LthSoup *s = *soup;
+  s->n_points = surface->n_points;
+  s->n_polys = surface->n_tris;
+  LTH_NEW(ctx, s->points, 3 * (LitheCount)s->n_points);
+  LTH_NEW(ctx, s->poly_off, (LitheCount)s->n_polys + 1);
+  LTH_NEW(ctx, s->poly_point, 3 * (LitheCount)s->n_polys);
+  memcpy(s->points, surface->points, sizeof *s->points * 3 * (size_t)s->n_points);
+  memcpy(s->poly_point, surface->tris, sizeof *s->poly_point * 3 * (size_t)s->n_polys);
+  for (LitheIndex i = 0; i <= s->n_polys; i++) s->poly_off[i] = 3 * i;
+  return LITHE_OK;
+}
+
+/// The embedded surface: the scene's file, the shape's file, or the tessellated shape.
+static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
+  const LthSceneBody *def = body->def;
+  body->soup = def->embed_soup ? def->embed_soup : def->soup;
+  if (body->soup) return LITHE_OK;
+  if (!body->surface) {
+    double resolution =
+        def->shape_resolution > 0 ? def->shape_resolution : body->mesh->cell_size / 4;
+    LITHE_TRY(lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface));
+  }
+  LITHE_TRY(soup_from_surface(ctx, body->surface, &body->own_soup));
+  body->soup = body->own_soup;
+  return LITHE_OK;
+}
+
+/// Cells of the soup's points where slicing knows them, else -1.
+static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *cells) {
+  const LthSceneBody *def = body->def;
+  LitheIndex *surface_cells = NULL;
+  LitheIndex n_known = body->mesh->n_surface_points;
+  const LitheIndex *map = def->surface ? def->surface->soup_point : NULL;
+  bool is_sliced = n_known > 0 && !def->embed_soup;
+  for (LitheIndex i = 0; i < body->soup->n_points; i++) cells[i] = -1;
+  if (!is_sliced) return LITHE_OK;
+  LTH_NEW(ctx, surface_cells, n_known);
+  LitheStatus status = lth_surface_point_cells(ctx, body->mesh, surface_cells);
+  for (LitheIndex i = 0; status == LITHE_OK && i < body->soup->n_points; i++) {
+    LitheIndex point = map ? map[i] : i;
+    if (point >= 0 && point < n_known) cells[i] = surface_cells[point];
+  }
+  lth_free(ctx, surface_cells);
+  return status;
+}
+
+/// Each polygon's area [m^2], shared evenly by its points.
+static LitheStatus share_area(LitheCtx *ctx, const LthSoup *soup, double **area) {
+  LTH_NEW(ctx, *area, soup->n_points);
+  for (LitheIndex p = 0; p < soup->n_polys; p++) {
+    const LitheIndex *point = soup->poly_point + soup->poly_off[p];
+    LitheIndex n = soup->poly_off[p + 1] - soup->poly_off[p];
+    double sum[3] = {0, 0, 0};
+    for (LitheIndex i = 1; i + 1 < n; i++) {
+      double a[3], b[3], cross[3];
+      lth_v3_sub(soup->points + 3 * (LitheCount)point[i], soup->points + 3 * (LitheCount)point[0],
+                 a);
+      lth_v3_sub(soup->points + 3 * (LitheCount)point[i + 1],
+                 soup->points + 3 * (LitheCount)point[0], b);
+      lth_v3_cross(a, b, cross);
+      lth_v3_axpy(0.5, cross, sum);
+    }
+    for (LitheIndex i = 0; i < n; i++) (*area)[point[i]] += lth_v3_norm(sum) / n;
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex *cells = NULL;
+  LITHE_TRY(choose_soup(ctx, body));
+  LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
+  LITHE_TRY_OR(done, known_cells(ctx, body, cells));
+  LITHE_TRY_OR(done, lth_embedding_create(ctx, body->space, body->soup->n_points,
+                                          body->soup->points, cells, body->def->interpolation,
+                                          body->def->samples, &body->embedding));
+  LITHE_TRY_OR(done, share_area(ctx, body->soup, &body->embedding->area));
+
+done:
+  lth_free(ctx, cells);
+  return status;
+}
+
+LitheStatus lth_build_embedding(LitheCtx *ctx, LthBody *body) {
+  return body->def->has_embed ? embed_surface(ctx, body) : LITHE_OK;
+}

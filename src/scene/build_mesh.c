@@ -1,0 +1,93 @@
+/// Shape and resolution -> grid -> polyhedral mesh.
+#include "scene/body.h"
+
+#include "base/tensor.h"
+
+/// Cells along an axis; a body thinner than half a cell still gets one.
+static LitheIndex at_least_one(double cells) {
+  if (!(cells > 1)) return 1;
+  return cells < 1e9 ? (LitheIndex)cells : 1000000000;
+}
+
+LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],
+                           const double max[3], LthGrid *grid) {
+  const LthResolution *r = &def->resolution;
+  if (r->has_grid) {
+    *grid = r->grid;
+    return LITHE_OK;
+  }
+  double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
+  double n_all = 1;
+  lth_v3_copy(min, grid->min);
+  lth_v3_copy(max, grid->max);
+  for (int a = 0; a < 3; a++) {
+    double side = max[a] - min[a];
+    if (r->cell_size >
+        0) // no cell larger than asked for; rounding of a whole number of cells forgiven
+      grid->cells[a] = at_least_one(ceil(side / r->cell_size * (1 - 1e-9)));
+    else if (r->cells[1] > 0)
+      grid->cells[a] = r->cells[a];
+    else
+      grid->cells[a] = at_least_one(floor(side / longest * r->cells[0] + 0.5));
+    n_all *= grid->cells[a];
+  }
+  if (n_all > 1e8)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s.method: a grid of %d x %d x %d cells is more than this version takes (1e8); use "
+               "fewer cells",
+               def->path, grid->cells[0], grid->cells[1], grid->cells[2]);
+  return LITHE_OK;
+}
+
+/// Edge of a cube of a cell's volume.
+static double cell_edge(const LthGrid *grid) {
+  double volume = 1;
+  for (int a = 0; a < 3; a++) volume *= (grid->max[a] - grid->min[a]) / grid->cells[a];
+  return cbrt(volume);
+}
+
+static LitheStatus build_slices(LitheCtx *ctx, LthBody *body, const LthGrid *grid) {
+  const LthSceneBody *def = body->def;
+  double resolution = def->shape_resolution > 0 ? def->shape_resolution : cell_edge(grid) / 4;
+  LITHE_TRY(lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface));
+  return lth_mesh_slice(ctx, body->surface, grid, def->sliver, &body->mesh);
+}
+
+static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid) {
+  const LthSceneBody *def = body->def;
+  if (def->shape.kind != LTH_SHAPE_BOX)
+    LITHE_FAIL(
+        ctx, LITHE_BAD_INPUT,
+        "%s.method.mesh: hexahedra and tetrahedra fill boxes only; use `slice` for other shapes",
+        def->path);
+  if (def->mesh_kind == LTH_MESH_HEXAHEDRA) return lth_mesh_hexahedra(ctx, grid, &body->mesh);
+  return lth_mesh_tetrahedra(ctx, grid, &body->mesh);
+}
+
+static void measure_box(LthBody *body) {
+  const LthMesh *mesh = body->mesh;
+  for (int a = 0; a < 3; a++) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (LitheIndex c = 0; c < mesh->n_cells; c++) {
+      low = fmin(low, mesh->cell_box[6 * (LitheCount)c + a]);
+      high = fmax(high, mesh->cell_box[6 * (LitheCount)c + 3 + a]);
+    }
+    body->box[a] = low;
+    body->box[3 + a] = high;
+    body->size = fmax(body->size, high - low);
+  }
+}
+
+LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
+  double min[3], max[3];
+  LthGrid grid;
+  lth_progress(ctx, "meshing", -1);
+  lth_shape_bounds(&body->def->shape, min, max);
+  LITHE_TRY(lth_build_grid(ctx, body->def, min, max, &grid));
+  if (body->def->mesh_kind == LTH_MESH_SLICE)
+    LITHE_TRY(build_slices(ctx, body, &grid));
+  else
+    LITHE_TRY(build_boxes(ctx, body, &grid));
+  measure_box(body);
+  return LITHE_OK;
+}

@@ -1,0 +1,122 @@
+/// `lithe check`: what a run would need, from its mesh and the symbolic analysis of its matrix.
+#include "la/engine.h"
+#include "scene/body.h"
+#include "scene/scene_public.h"
+#include "scene/schedule.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// Rates of a core of 2020, to guess by: a forecast is good to a factor of three.
+#define FACTOR_FLOPS 8e9   // sparse Cholesky [1/s]
+#define SOLVE_BYTES 6e9    // triangular solves and products read the matrix [byte/s]
+#define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
+
+static int compare_index(const void *a, const void *b) {
+  LitheIndex x = *(const LitheIndex *)a, y = *(const LitheIndex *)b;
+  return (x > y) - (x < y);
+}
+
+/// Neighbours of a cell through faces and the cell itself, ascending, without repetition.
+static LitheIndex neighbours(const LthMesh *mesh, LitheIndex cell, LitheIndex *list) {
+  LitheIndex n = 0, kept = 0;
+  list[n++] = cell;
+  for (LitheIndex k = mesh->cell_face_off[cell]; k < mesh->cell_face_off[cell + 1]; k++) {
+    const LitheIndex *pair = mesh->face_cell + 2 * (LitheCount)mesh->cell_face[k];
+    LitheIndex other = pair[0] == cell ? pair[1] : pair[0];
+    if (other >= 0) list[n++] = other;
+  }
+  qsort(list, (size_t)n, sizeof *list, compare_index);
+  for (LitheIndex i = 0; i < n; i++)
+    if (i == 0 || list[i] != list[kept - 1]) list[kept++] = list[i];
+  return kept;
+}
+
+/// Pattern of the system matrix: blocks of `size` unknowns.
+static LitheStatus make_pattern(LitheCtx *ctx, const LthMesh *mesh, LitheCount size,
+                                LthBlockMatrix **A) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = mesh->n_cells, *list = NULL, *col = NULL;
+  LitheCount *row_off = NULL, *block_off = NULL;
+  LTH_NEW_OR(done, ctx, row_off, n + 1);
+  LTH_NEW_OR(done, ctx, block_off, n + 1);
+  LTH_NEW_OR(done, ctx, list, (LitheCount)mesh->cell_face_off[n] + 1);
+  LTH_NEW_OR(done, ctx, col, (LitheCount)mesh->cell_face_off[n] + n);
+  for (LitheIndex c = 0; c < n; c++) {
+    LitheIndex kept = neighbours(mesh, c, list);
+    memcpy(col + block_off[c], list, sizeof *list * (size_t)kept);
+    block_off[c + 1] = block_off[c] + kept;
+    row_off[c + 1] = row_off[c] + size;
+  }
+  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, n, row_off, block_off, col, A));
+
+done:
+  lth_free(ctx, list);
+  lth_free(ctx, col);
+  lth_free(ctx, row_off);
+  lth_free(ctx, block_off);
+  return status;
+}
+
+/// Bytes and flops of a Cholesky factor, by its symbolic analysis.
+static LitheStatus predict_factor(LitheCtx *ctx, const LthBlockMatrix *A, double *bytes,
+                                  double *flops) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  LthFactor *factor = NULL;
+  *bytes = *flops = 0;
+  if (!engine) return LITHE_OK;
+  LitheStatus status = engine->analyse(ctx, A, &factor);
+  if (status == LITHE_OK) engine->predict(factor, bytes, flops);
+  engine->destroy(ctx, &factor);
+  return status;
+}
+
+static void predict_cost(const LthScene *scene, const LthMesh *mesh, double bytes, double flops,
+                         LitheForecast *f) {
+  bool is_pcg = scene->linear == LTH_SOLVER_PCG;
+  double matrix = 8.0 * (double)f->nonzeros;
+  double corners = mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
+  double one_solve =
+      is_pcg ? 60 * matrix / SOLVE_BYTES : flops / FACTOR_FLOPS + 2 * bytes / SOLVE_BYTES;
+  // a corotated equilibrium takes some ten solves
+  if (scene->time_kind != LTH_TIME_DYNAMIC) one_solve *= 10;
+  f->linear = is_pcg ? "pcg" : "cholesky";
+  f->memory = 3 * matrix + (is_pcg ? 0 : 2 * bytes) + 1000 * corners + 5e7;
+  f->seconds = (double)f->steps * (one_solve + matrix / SOLVE_BYTES * 4) +
+               corners * POINT_SECONDS * (20 + f->frames);
+}
+
+static LitheStatus forecast_mesh(LitheCtx *ctx, const LthScene *scene, const LthMesh *mesh,
+                                 LitheForecast *f) {
+  LitheStatus status = LITHE_OK;
+  LthBlockMatrix *A = NULL;
+  double bytes, flops;
+  LitheCount block = 3 * (LitheCount)lth_monomials3(scene->bodies[0].degree);
+  LthSchedule schedule = lth_schedule_make(scene);
+  LITHE_TRY_OR(done, make_pattern(ctx, mesh, block, &A));
+  LITHE_TRY_OR(done, predict_factor(ctx, A, &bytes, &flops));
+  *f = (LitheForecast){.elements = mesh->n_cells,
+                       .unknowns = A->n,
+                       .nonzeros = A->value_off[A->block_off[A->n_rows]],
+                       .steps = lth_schedule_total(&schedule),
+                       .frames = schedule.n_outputs + schedule.writes_start};
+  for (LitheIndex i = 0; i < mesh->n_faces; i++) f->inner_faces += mesh->face_cell[2 * i + 1] >= 0;
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) f->volume += mesh->cell_volume[c];
+  predict_cost(scene, mesh, bytes, flops, f);
+
+done:
+  lth_block_matrix_destroy(ctx, &A);
+  return status;
+}
+
+LitheStatus lithe_check(LitheCtx *ctx, const LitheScene *scene, LitheForecast *forecast) {
+  LitheStatus status = LITHE_OK;
+  LthBody body = {.scene = scene->scene, .def = scene->scene->bodies};
+  LITHE_TRY_OR(done, lth_build_mesh(ctx, &body));
+  LITHE_TRY_OR(done, forecast_mesh(ctx, scene->scene, body.mesh, forecast));
+
+done:
+  lth_mesh_destroy(ctx, &body.mesh);
+  lth_surface_destroy(ctx, &body.surface);
+  return status;
+}

@@ -1,0 +1,38 @@
+/// Figures of a body's present state for the result: displacement, stress, volume, errors.
+#pragma once
+
+#include "scene/body.h"
+
+typedef struct LthDisplacementFigures {
+  double max;  ///< largest length at corners of elements [m]
+  double mean; ///< mean length over the volume [m]
+} LthDisplacementFigures;
+
+LitheStatus lth_measure_displacement(LitheCtx *ctx, const LthBody *body,
+                                     LthDisplacementFigures *figures);
+
+/// Samples: the centroid of each element of degree 1 (stress hardly varies there), the centroid and all
+/// corners of others.
+typedef struct LthStressFigures {
+  double von_mises_max; ///< [Pa]
+  double p99;           ///< 99 % of the volume lies at or below it [Pa]
+  double at[3];         ///< rest place of the largest [m]
+  double safety;        ///< least yield strength over von Mises stress; NaN where none is given
+} LthStressFigures;
+
+LitheStatus lth_measure_stress(LitheCtx *ctx, const LthBody *body, LthStressFigures *figures);
+
+/// von Mises stress of xx yy zz yz zx xy.
+double lth_von_mises(const double stress[6]);
+
+/// Deformed volume [m^3]: det F at each element's mean gradient.
+double lth_measure_volume(const LthBody *body);
+
+/// Norms of displacement minus the scene's exact one at the present time, over the volume; h1 is the norm
+/// of the gradient of the error (the exact gradient by central differences).
+typedef struct LthErrorFigures {
+  double l1, l2, linf, h1;
+  double stress_l2, stress_linf; ///< with an exact stress
+} LthErrorFigures;
+
+LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures);

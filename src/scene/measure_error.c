@@ -1,0 +1,78 @@
+/// Norms of the difference to a known solution, by quadrature over every element.
+#include "scene/measure.h"
+
+#include "base/tensor.h"
+
+/// The scene's exact displacement at a place and time.
+static void exact_displacement(const LthScene *scene, const double x[3], double t, double u[3]) {
+  for (int a = 0; a < 3; a++)
+    u[a] = lth_value_at(scene->exact + a, x, t) - (scene->exact_is_position ? x[a] : 0);
+}
+
+/// Its gradient [a][b] by central differences over `h`.
+static void exact_gradient(const LthScene *scene, const double x[3], double t, double h,
+                           double g[9]) {
+  for (int b = 0; b < 3; b++) {
+    double up[3], down[3], y[3];
+    lth_v3_copy(x, y);
+    y[b] = x[b] + h;
+    exact_displacement(scene, y, t, up);
+    y[b] = x[b] - h;
+    exact_displacement(scene, y, t, down);
+    for (int a = 0; a < 3; a++) g[3 * a + b] = (up[a] - down[a]) / (2 * h);
+  }
+}
+
+static void add_displacement(const LthBody *body, LitheIndex cell, const double x[3], double w,
+                             LthErrorFigures *sum) {
+  double t = lth_simulation_time(body->sim), u[3], exact[3], gradient[9], exact_g[9];
+  const double *coef = lth_simulation_displacement(body->sim);
+  lth_dg_sample(body->space, cell, coef, x, u);
+  exact_displacement(body->scene, x, t, exact);
+  double e = lth_v3_distance(u, exact);
+  sum->l1 += w * e;
+  sum->l2 += w * e * e;
+  sum->linf = fmax(sum->linf, e);
+
+  // third root of the rounding unit balances rounding and truncation
+  lth_dg_sample_gradient(body->space, cell, coef, x, gradient);
+  exact_gradient(body->scene, x, t, 6e-6 * body->size, exact_g);
+  for (int i = 0; i < 9; i++)
+    sum->h1 += w * (gradient[i] - exact_g[i]) * (gradient[i] - exact_g[i]);
+}
+
+static void add_stress(const LthBody *body, LitheIndex cell, const double x[3], double w,
+                       LthErrorFigures *sum) {
+  static const int entry[6] = {0, 4, 8, 5, 2, 1}; // xx yy zz yz zx xy in a row-major tensor
+  double stress[6], square = 0, t = lth_simulation_time(body->sim);
+  lth_dg_stress(body->op, cell, lth_simulation_position(body->sim), x, stress);
+  for (int i = 0; i < 6; i++) {
+    double e = stress[i] - lth_value_at(body->scene->exact_stress + entry[i], x, t);
+    square += (i < 3 ? 1 : 2) * e * e;
+  }
+  sum->stress_l2 += w * square;
+  sum->stress_linf = fmax(sum->stress_linf, sqrt(square));
+}
+
+LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures) {
+  *figures = (LthErrorFigures){0};
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+    LitheIndex n;
+    double *points, *weights;
+    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2 * body->space->degree[c] + 2, &n,
+                                     &points, &weights));
+    for (LitheIndex q = 0; q < n; q++) {
+      const double *x = points + 3 * (LitheCount)q;
+      if (body->scene->has_exact_displacement) add_displacement(body, c, x, weights[q], figures);
+      if (body->scene->has_exact_stress) add_stress(body, c, x, weights[q], figures);
+    }
+    lth_free(ctx, points);
+    lth_free(ctx, weights);
+  }
+
+  // weights of non-convex elements may be negative: a sum of nothing but rounding may be too
+  figures->l2 = sqrt(fmax(figures->l2, 0));
+  figures->h1 = sqrt(fmax(figures->h1, 0));
+  figures->stress_l2 = sqrt(fmax(figures->stress_l2, 0));
+  return LITHE_OK;
+}

@@ -1,0 +1,48 @@
+/// Observers: what looks at a run at its output times and writes files.
+#pragma once
+
+#include "scene/body.h"
+
+/// history.csv: one row an output time.
+typedef struct LthHistory LthHistory;
+LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, LthHistory **history);
+LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthBody *body);
+LitheStatus lth_history_close(LitheCtx *ctx, LthHistory **history);
+
+/// Named points of the body: probes.csv, and their last values for the result.
+typedef struct LthProbeValue {
+  double displacement[3]; ///< [m]
+  double stress[6];       ///< xx yy zz yz zx xy [Pa]
+  double von_mises;       ///< [Pa]
+} LthProbeValue;
+
+typedef struct LthProbes LthProbes;
+/// A probe outside the body takes the nearest element, with a warning. No file without probes.
+LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                            LthProbes **probes);
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthBody *body, LitheIndex i);
+LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthBody *body);
+LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes);
+
+/// fields_0000.vtu ... and fields.pvd.
+typedef struct LthFields LthFields;
+LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                            LthFields **fields);
+LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *fields, const LthBody *body);
+LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields);
+
+/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl.
+typedef struct LthSurfaceOutput LthSurfaceOutput;
+/// `period` is the time between frames [s].
+LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                                    double period, LthSurfaceOutput **out);
+LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body);
+LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out);
+
+/// "folder/stem_0007.ending"; freed by lth_free().
+LitheStatus lth_numbered_path(LitheCtx *ctx, const char *folder, const char *stem,
+                              LitheIndex number, const char *ending, char **path);
+
+/// Remove what a longer run left behind: numbered files from `first` on.
+LitheStatus lth_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                                LitheIndex first, const char *ending);

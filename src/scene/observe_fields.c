@@ -1,0 +1,166 @@
+/// fields_0000.vtu ... and fields.pvd: the deformed polyhedra with displacement, velocity and stress.
+#include "io/file.h"
+#include "io/vtu.h"
+#include "scene/measure.h"
+#include "scene/observe.h"
+
+#include "base/tensor.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+struct LthFields {
+  char *folder;
+  LitheCount *cell_point_off;
+  LitheIndex *cell_mesh_point;
+  LitheIndex n_points;
+  double *points, *displacement, *velocity;            ///< (n_points x 3)
+  double *stress, *von_mises, *degree, *level, *label; ///< per cell
+  LthVtuTopology *topology;
+  LitheIndex n_frames;
+  LitheCount cap_frames;
+  double *times; ///< (n_frames)
+};
+
+LitheStatus lth_numbered_path(LitheCtx *ctx, const char *folder, const char *stem,
+                              LitheIndex number, const char *ending, char **path) {
+  char name[64];
+  snprintf(name, sizeof name, "%s_%04d.%s", stem, number, ending);
+  return lth_path_join(ctx, folder, name, path);
+}
+
+LitheStatus lth_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                                LitheIndex first, const char *ending) {
+  for (bool found = true; found; first++) {
+    char *path;
+    LITHE_TRY(lth_numbered_path(ctx, folder, stem, first, ending, &path));
+    found = unlink(path) == 0;
+    lth_free(ctx, path);
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
+  LitheIndex n_cells = body->mesh->n_cells;
+  LITHE_TRY(lth_vtu_cell_points(ctx, body->mesh, &f->cell_point_off, &f->cell_mesh_point));
+  f->n_points = (LitheIndex)f->cell_point_off[n_cells];
+  LTH_NEW(ctx, f->points, 3 * (LitheCount)f->n_points);
+  LTH_NEW(ctx, f->displacement, 3 * (LitheCount)f->n_points);
+  LTH_NEW(ctx, f->velocity, 3 * (LitheCount)f->n_points);
+  LTH_NEW(ctx, f->stress, 6 * (LitheCount)n_cells);
+  LTH_NEW(ctx, f->von_mises, n_cells);
+  LTH_NEW(ctx, f->degree, n_cells);
+  LTH_NEW(ctx, f->level, n_cells);
+  LTH_NEW(ctx, f->label, n_cells);
+  for (LitheIndex c = 0; c < n_cells; c++) {
+    f->degree[c] = body->space->degree[c];
+    f->label[c] = body->label[c];
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                            LthFields **fields) {
+  LTH_NEW(ctx, *fields, 1);
+  LTH_NEW(ctx, (*fields)->folder, (LitheCount)strlen(folder) + 1);
+  strcpy((*fields)->folder, folder);
+  return body->scene->fields_vtu ? allocate(ctx, body, *fields) : LITHE_OK;
+}
+
+/// Fields of one cell at its points and its centroid.
+static void sample_cell(const LthBody *body, LthFields *f, LitheIndex cell) {
+  const double *u = lth_simulation_displacement(body->sim);
+  const double *v = lth_simulation_velocity(body->sim);
+  const double *x = lth_simulation_position(body->sim);
+  for (LitheCount i = f->cell_point_off[cell]; i < f->cell_point_off[cell + 1]; i++) {
+    const double *rest = body->mesh->points + 3 * (LitheCount)f->cell_mesh_point[i];
+    lth_dg_sample(body->space, cell, u, rest, f->displacement + 3 * i);
+    lth_dg_sample(body->space, cell, v, rest, f->velocity + 3 * i);
+    lth_v3_add(rest, f->displacement + 3 * i, f->points + 3 * i);
+  }
+  double *stress = f->stress + 6 * (LitheCount)cell;
+  lth_dg_stress(body->op, cell, x, body->mesh->cell_centroid + 3 * (LitheCount)cell, stress);
+  f->von_mises[cell] = lth_von_mises(stress);
+}
+
+static LitheStatus write_vtu(LitheCtx *ctx, LthFields *f, const LthBody *body, const char *path) {
+  const LthVtuArray point_arrays[] = {{"displacement", 3, f->displacement},
+                                      {"velocity", 3, f->velocity}};
+  const LthVtuArray cell_arrays[] = {{"stress", 6, f->stress},
+                                     {"von_mises", 1, f->von_mises},
+                                     {"degree", 1, f->degree},
+                                     {"level", 1, f->level},
+                                     {"label", 1, f->label}};
+  LthVtu vtu = {.mesh = body->mesh,
+                .n_points = f->n_points,
+                .points = f->points,
+                .cell_point_off = f->cell_point_off,
+                .cell_mesh_point = f->cell_mesh_point,
+                .point_arrays = point_arrays,
+                .n_point_arrays = body->scene->time_kind == LTH_TIME_DYNAMIC ? 2 : 1,
+                .cell_arrays = cell_arrays,
+                .n_cell_arrays = sizeof cell_arrays / sizeof cell_arrays[0],
+                .time = lth_simulation_time(body->sim)};
+  if (!f->topology) LITHE_TRY(lth_vtu_topology_create(ctx, &vtu, &f->topology));
+  vtu.topology = f->topology;
+  return lth_vtu_write(ctx, path, &vtu);
+}
+
+/// The list of all files so far, names relative to it.
+static LitheStatus write_pvd(LitheCtx *ctx, const LthFields *f) {
+  LitheStatus status = LITHE_OK;
+  char(*names)[32] = NULL, *path = NULL;
+  const char **files = NULL;
+  LTH_NEW_OR(done, ctx, names, f->n_frames);
+  LTH_NEW_OR(done, ctx, files, f->n_frames);
+  for (LitheIndex i = 0; i < f->n_frames; i++) {
+    snprintf(names[i], sizeof names[i], "fields_%04d.vtu", i);
+    files[i] = names[i];
+  }
+  LITHE_TRY_OR(done, lth_path_join(ctx, f->folder, "fields.pvd", &path));
+  LITHE_TRY_OR(done, lth_pvd_write(ctx, path, f->n_frames, f->times, files));
+
+done:
+  lth_free(ctx, names);
+  lth_free(ctx, files);
+  lth_free(ctx, path);
+  return status;
+}
+
+LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
+  if (!body->scene->fields_vtu) return LITHE_OK;
+  char *path;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) sample_cell(body, f, c);
+  LTH_RESERVE(ctx, f->times, f->cap_frames, f->n_frames + 1);
+  LITHE_TRY(lth_numbered_path(ctx, f->folder, "fields", f->n_frames, "vtu", &path));
+  LitheStatus status = write_vtu(ctx, f, body, path);
+  lth_free(ctx, path);
+  LITHE_TRY(status);
+  f->times[f->n_frames++] = lth_simulation_time(body->sim);
+  return write_pvd(ctx, f);
+}
+
+LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
+  LthFields *f = *fields;
+  if (!f) return LITHE_OK;
+  LitheStatus status = LITHE_OK;
+  if (f->n_frames > 0) status = lth_remove_numbered(ctx, f->folder, "fields", f->n_frames, "vtu");
+  lth_vtu_topology_destroy(ctx, &f->topology);
+  lth_free(ctx, f->folder);
+  lth_free(ctx, f->cell_point_off);
+  lth_free(ctx, f->cell_mesh_point);
+  lth_free(ctx, f->points);
+  lth_free(ctx, f->displacement);
+  lth_free(ctx, f->velocity);
+  lth_free(ctx, f->stress);
+  lth_free(ctx, f->von_mises);
+  lth_free(ctx, f->degree);
+  lth_free(ctx, f->level);
+  lth_free(ctx, f->label);
+  lth_free(ctx, f->times);
+  lth_free(ctx, f);
+  *fields = NULL;
+  return status;
+}

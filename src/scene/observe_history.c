@@ -1,0 +1,40 @@
+/// history.csv: one row an output time.
+#include "io/csv.h"
+#include "io/file.h"
+#include "scene/measure.h"
+#include "scene/observe.h"
+
+struct LthHistory {
+  LthCsv *csv;
+};
+
+static const char *const columns[] = {
+    "t",           "strain_energy",     "kinetic_energy",    "work",    "volume", "contacts",
+    "penetration", "linear_iterations", "newton_iterations", "residual"};
+
+LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, LthHistory **history) {
+  char *path = NULL;
+  LTH_NEW(ctx, *history, 1);
+  LITHE_TRY(lth_path_join(ctx, folder, "history.csv", &path));
+  LitheStatus status =
+      lth_csv_open(ctx, path, sizeof columns / sizeof columns[0], columns, &(*history)->csv);
+  lth_free(ctx, path);
+  return status;
+}
+
+LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthBody *body) {
+  const LthStepReport *r = lth_simulation_report(body->sim);
+  const double row[] = {
+      lth_simulation_time(body->sim), r->strain_energy, r->kinetic_energy, r->work,
+      lth_measure_volume(body),       r->contacts,      r->penetration,    r->linear_iterations,
+      r->newton_iterations,           r->residual};
+  return lth_csv_row(ctx, history->csv, row);
+}
+
+LitheStatus lth_history_close(LitheCtx *ctx, LthHistory **history) {
+  if (!*history) return LITHE_OK;
+  LitheStatus status = lth_csv_close(ctx, &(*history)->csv);
+  lth_free(ctx, *history);
+  *history = NULL;
+  return status;
+}

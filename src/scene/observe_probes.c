@@ -1,0 +1,114 @@
+/// Named points of the body: probes.csv, and their last values for the result.
+#include "io/csv.h"
+#include "io/file.h"
+#include "scene/measure.h"
+#include "scene/observe.h"
+
+#include "base/tensor.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define COLUMNS 10 // a probe: ux uy uz, xx yy zz yz zx xy, von Mises
+
+struct LthProbes {
+  LthCsv *csv;
+  LitheIndex n;
+  LitheIndex *cell; ///< (n)
+  double *row;      ///< (1 + COLUMNS n)
+};
+
+static LitheStatus find_cells(LitheCtx *ctx, const LthBody *body, LthProbes *probes) {
+  for (LitheIndex i = 0; i < probes->n; i++) {
+    const LthSceneProbe *p = body->scene->probes + i;
+    bool inside;
+    LITHE_TRY(lth_find_cell(ctx, body->mesh, p->point, probes->cell + i, &inside));
+    if (inside) continue;
+    lth_warn(ctx,
+             "probe %s: (%g, %g, %g) lies outside the body at rest; the nearest element is used",
+             p->name, p->point[0], p->point[1], p->point[2]);
+  }
+  return LITHE_OK;
+}
+
+/// "ear_ux", "ear_uy", ... in one block of `room` bytes a name.
+static void write_names(const LthScene *scene, char *text, size_t room, const char **names) {
+  static const char *const endings[COLUMNS] = {"ux",   "uy",   "uz",   "s_xx", "s_yy",
+                                               "s_zz", "s_yz", "s_zx", "s_xy", "von_mises"};
+  snprintf(text, room, "t");
+  names[0] = text;
+  for (LitheIndex i = 0; i < scene->n_probes; i++)
+    for (int k = 0; k < COLUMNS; k++) {
+      char *name = text + room * (size_t)(1 + COLUMNS * i + k);
+      snprintf(name, room, "%s_%s", scene->probes[i].name, endings[k]);
+      names[1 + COLUMNS * i + k] = name;
+    }
+}
+
+static LitheStatus open_csv(LitheCtx *ctx, const char *folder, const LthScene *scene,
+                            LthProbes *probes) {
+  LitheStatus status = LITHE_OK;
+  size_t room = 16;
+  char *path = NULL, *text = NULL;
+  const char **names = NULL;
+  LitheIndex n = 1 + COLUMNS * probes->n;
+  for (LitheIndex i = 0; i < scene->n_probes; i++) {
+    size_t length = strlen(scene->probes[i].name) + 16;
+    if (length > room) room = length;
+  }
+  LTH_NEW_OR(done, ctx, text, n * (LitheCount)room);
+  LTH_NEW_OR(done, ctx, names, n);
+  write_names(scene, text, room, names);
+  LITHE_TRY_OR(done, lth_path_join(ctx, folder, "probes.csv", &path));
+  LITHE_TRY_OR(done, lth_csv_open(ctx, path, n, names, &probes->csv));
+
+done:
+  lth_free(ctx, path);
+  lth_free(ctx, text);
+  lth_free(ctx, names);
+  return status;
+}
+
+LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                            LthProbes **probes) {
+  LTH_NEW(ctx, *probes, 1);
+  (*probes)->n = body->scene->n_probes;
+  if ((*probes)->n == 0) return LITHE_OK;
+  LTH_NEW(ctx, (*probes)->cell, (*probes)->n);
+  LTH_NEW(ctx, (*probes)->row, 1 + COLUMNS * (LitheCount)(*probes)->n);
+  LITHE_TRY(find_cells(ctx, body, *probes));
+  return open_csv(ctx, folder, body->scene, *probes);
+}
+
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthBody *body, LitheIndex i) {
+  LthProbeValue value;
+  const double *at = body->scene->probes[i].point;
+  lth_dg_sample(body->space, probes->cell[i], lth_simulation_displacement(body->sim), at,
+                value.displacement);
+  lth_dg_stress(body->op, probes->cell[i], lth_simulation_position(body->sim), at, value.stress);
+  value.von_mises = lth_von_mises(value.stress);
+  return value;
+}
+
+LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthBody *body) {
+  if (probes->n == 0) return LITHE_OK;
+  probes->row[0] = lth_simulation_time(body->sim);
+  for (LitheIndex i = 0; i < probes->n; i++) {
+    LthProbeValue value = lth_probe_value(probes, body, i);
+    double *row = probes->row + 1 + COLUMNS * (LitheCount)i;
+    memcpy(row, value.displacement, sizeof value.displacement);
+    memcpy(row + 3, value.stress, sizeof value.stress);
+    row[9] = value.von_mises;
+  }
+  return lth_csv_row(ctx, probes->csv, probes->row);
+}
+
+LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes) {
+  if (!*probes) return LITHE_OK;
+  LitheStatus status = lth_csv_close(ctx, &(*probes)->csv);
+  lth_free(ctx, (*probes)->cell);
+  lth_free(ctx, (*probes)->row);
+  lth_free(ctx, *probes);
+  *probes = NULL;
+  return status;
+}

@@ -1,0 +1,137 @@
+/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl.
+#include "io/file.h"
+#include "io/pc2.h"
+#include "io/surface_file.h"
+#include "scene/observe.h"
+
+#include "base/tensor.h"
+
+#include <string.h>
+
+struct LthSurfaceOutput {
+  char *folder;
+  LthPc2 *pc2;
+  double *points; ///< deformed, in the space of the output   (n x 3)
+  LitheIndex n_frames;
+  bool kinds[3]; ///< numbered .obj, .ply, .stl
+  bool in_file_space;
+  double inverse[9], shift[3]; ///< file = inverse (scene - shift)
+};
+
+/// Without an embedded surface there is nothing to write.
+static bool is_wanted(const LthBody *body) {
+  const LthScene *scene = body->scene;
+  if (!body->embedding) return false;
+  return scene->surface_pc2 || scene->surface_obj || scene->surface_ply || scene->surface_stl;
+}
+
+/// Invert scene = A file + b.
+static LitheStatus invert(LitheCtx *ctx, const LthSceneBody *def, LthSurfaceOutput *out) {
+  double A[9];
+  for (int r = 0; r < 3; r++) {
+    memcpy(A + 3 * r, def->file_to_scene + 4 * r, 3 * sizeof *A);
+    out->shift[r] = def->file_to_scene[4 * r + 3];
+  }
+  double det = lth_m3_det(A);
+  if (det == 0)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "output.space: `file` needs a body whose shape is a mesh file; use `scene`");
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      int r = (j + 1) % 3, s = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+      out->inverse[3 * i + j] = (A[3 * r + c] * A[3 * s + d] - A[3 * r + d] * A[3 * s + c]) / det;
+    }
+  return LITHE_OK;
+}
+
+static void to_output_space(const LthSurfaceOutput *out, LitheIndex n, double *points) {
+  if (!out->in_file_space) return;
+  for (LitheIndex i = 0; i < n; i++) {
+    double d[3];
+    lth_v3_sub(points + 3 * (LitheCount)i, out->shift, d);
+    lth_m3_apply(out->inverse, d, points + 3 * (LitheCount)i);
+  }
+}
+
+/// surface.obj at rest and the cache that moves it.
+static LitheStatus open_cache(LitheCtx *ctx, const LthBody *body, double period,
+                              LthSurfaceOutput *out) {
+  LitheStatus status = LITHE_OK;
+  char *obj = NULL, *pc2 = NULL;
+  LitheIndex n = body->soup->n_points;
+  memcpy(out->points, body->soup->points, sizeof *out->points * 3 * (size_t)n);
+  to_output_space(out, n, out->points);
+  LITHE_TRY_OR(done, lth_path_join(ctx, out->folder, "surface.obj", &obj));
+  LITHE_TRY_OR(done, lth_path_join(ctx, out->folder, "surface.pc2", &pc2));
+  LITHE_TRY_OR(done, lth_soup_write_obj(ctx, obj, body->soup, out->points));
+  LITHE_TRY_OR(done, lth_pc2_open(ctx, pc2, n, period, &out->pc2));
+
+done:
+  lth_free(ctx, obj);
+  lth_free(ctx, pc2);
+  return status;
+}
+
+LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+                                    double period, LthSurfaceOutput **out) {
+  LTH_NEW(ctx, *out, 1);
+  LTH_NEW(ctx, (*out)->folder, (LitheCount)strlen(folder) + 1);
+  strcpy((*out)->folder, folder);
+  if (!is_wanted(body)) return LITHE_OK;
+  (*out)->kinds[0] = body->scene->surface_obj;
+  (*out)->kinds[1] = body->scene->surface_ply;
+  (*out)->kinds[2] = body->scene->surface_stl;
+  (*out)->in_file_space = body->scene->output_in_file_space;
+  if ((*out)->in_file_space) LITHE_TRY(invert(ctx, body->def, *out));
+  LTH_NEW(ctx, (*out)->points, 3 * (LitheCount)body->soup->n_points);
+  return body->scene->surface_pc2 ? open_cache(ctx, body, period, *out) : LITHE_OK;
+}
+
+typedef LitheStatus WriteFn(LitheCtx *ctx, const char *path, const LthSoup *soup,
+                            const double *points);
+
+static LitheStatus write_numbered(LitheCtx *ctx, const LthSurfaceOutput *out, const LthBody *body,
+                                  const char *ending, WriteFn *write) {
+  char *path;
+  LITHE_TRY(lth_numbered_path(ctx, out->folder, "surface", out->n_frames, ending, &path));
+  LitheStatus status = write(ctx, path, body->soup, out->points);
+  lth_free(ctx, path);
+  return status;
+}
+
+LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body) {
+  const LthScene *scene = body->scene;
+  if (!is_wanted(body)) return LITHE_OK;
+  lth_embedding_apply(body->embedding, lth_threads(ctx), lth_simulation_displacement(body->sim),
+                      out->points);
+  to_output_space(out, body->soup->n_points, out->points);
+  if (scene->surface_pc2) LITHE_TRY(lth_pc2_append(ctx, out->pc2, out->points));
+  if (scene->surface_obj) LITHE_TRY(write_numbered(ctx, out, body, "obj", lth_soup_write_obj));
+  if (scene->surface_ply) LITHE_TRY(write_numbered(ctx, out, body, "ply", lth_soup_write_ply));
+  if (scene->surface_stl) LITHE_TRY(write_numbered(ctx, out, body, "stl", lth_soup_write_stl));
+  out->n_frames++;
+  return LITHE_OK;
+}
+
+/// Remove what a longer run left behind, of the kinds that this run wrote.
+static LitheStatus remove_rest(LitheCtx *ctx, const LthSurfaceOutput *out) {
+  const char *folder = out->folder;
+  LitheIndex n = out->n_frames;
+  if (n == 0) return LITHE_OK;
+  if (out->kinds[0]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "obj"));
+  if (out->kinds[1]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "ply"));
+  if (out->kinds[2]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "stl"));
+  return LITHE_OK;
+}
+
+LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out) {
+  LthSurfaceOutput *o = *out;
+  if (!o) return LITHE_OK;
+  LitheStatus status = lth_pc2_close(ctx, &o->pc2);
+  LitheStatus removed = remove_rest(ctx, o);
+  lth_free(ctx, o->folder);
+  lth_free(ctx, o->points);
+  lth_free(ctx, o);
+  *out = NULL;
+  return status != LITHE_OK ? status : removed;
+}

@@ -1,0 +1,218 @@
+/// result.json: the figures of a whole run.
+#include "scene/result.h"
+
+#include "io/json.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+static const char *status_word(LitheStatus status) {
+  if (status == LITHE_OK) return "done";
+  return status == LITHE_INTERRUPTED ? "interrupted" : "not converged";
+}
+
+static void put_method(LthJson *json, const LthSceneBody *def) {
+  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra"};
+  lth_json_begin_object(json, "method");
+  lth_json_string(json, "kind", "dg");
+  lth_json_string(json, "mesh", meshes[def->mesh_kind]);
+  lth_json_integer(json, "degree", def->degree);
+  lth_json_string(json, "flux", def->flux == LTH_FLUX_IP ? "ip" : "bz");
+  lth_json_end_object(json);
+}
+
+static void put_body(LthJson *json, const LthBody *body) {
+  double penalty[2], volume = 0;
+  const LthBlockMatrix *K = lth_simulation_matrix(body->sim);
+  lth_dg_penalty_range(body->op, penalty, penalty + 1);
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) volume += body->mesh->cell_volume[c];
+  lth_json_begin_array(json, "bodies");
+  lth_json_begin_object(json, NULL);
+  lth_json_string(json, "name", body->def->name);
+  put_method(json, body->def);
+  lth_json_integer(json, "elements", body->mesh->n_cells);
+  lth_json_integer(json, "dofs", body->space->n_dofs);
+  lth_json_integer(json, "nonzeros", K->value_off[K->block_off[K->n_rows]]);
+  lth_json_number(json, "volume", volume);
+  lth_json_number(json, "mass", body->mass);
+  lth_json_vector(json, "penalty", 2, penalty);
+  lth_json_end_object(json);
+  lth_json_end_array(json);
+}
+
+static void put_energy(LthJson *json, const LthStepReport *r) {
+  lth_json_begin_object(json, "energy");
+  lth_json_number(json, "strain", r->strain_energy);
+  lth_json_number(json, "kinetic", r->kinetic_energy);
+  lth_json_number(json, "work", r->work);
+  lth_json_end_object(json);
+  lth_json_vector(json, "momentum", 3, r->momentum);
+  lth_json_vector(json, "angular_momentum", 3, r->angular_momentum);
+}
+
+/// Forces of the weak constraints on the body; strong ones have none of their own: null.
+static LitheStatus put_reactions(LitheCtx *ctx, LthJson *json, const LthBody *body) {
+  double *reaction;
+  LTH_NEW(ctx, reaction, 3 * (LitheCount)body->n_weak);
+  lth_dg_reactions(body->op, lth_simulation_time(body->sim), lth_simulation_position(body->sim),
+                   reaction);
+  const double none[3] = {NAN, NAN, NAN};
+  LitheIndex k = 0;
+  lth_json_begin_object(json, "reaction");
+  for (LitheIndex i = 0; i < body->def->n_constraints; i++) {
+    bool is_weak = k < body->n_weak && body->weak_of[k] == i;
+    lth_json_vector(json, body->def->constraints[i].path, 3,
+                    is_weak ? reaction + 3 * (LitheCount)k : none);
+    k += is_weak;
+  }
+  lth_json_end_object(json);
+  lth_free(ctx, reaction);
+  return LITHE_OK;
+}
+
+static LitheStatus put_state(LitheCtx *ctx, LthJson *json, const LthBody *body,
+                             LitheRunSummary *summary) {
+  LthDisplacementFigures u;
+  LthStressFigures s;
+  LITHE_TRY(lth_measure_displacement(ctx, body, &u));
+  LITHE_TRY(lth_measure_stress(ctx, body, &s));
+  lth_json_begin_object(json, "displacement");
+  lth_json_number(json, "max", u.max);
+  lth_json_number(json, "mean", u.mean);
+  lth_json_end_object(json);
+  lth_json_begin_object(json, "stress");
+  lth_json_number(json, "von_mises_max", s.von_mises_max);
+  lth_json_number(json, "p99", s.p99);
+  lth_json_vector(json, "at", 3, s.at);
+  if (isfinite(s.safety)) lth_json_number(json, "safety", s.safety);
+  lth_json_end_object(json);
+  summary->max_displacement = u.max;
+  summary->max_von_mises = s.von_mises_max;
+  return LITHE_OK;
+}
+
+static void put_probes(LthJson *json, const LthProbes *probes, const LthBody *body) {
+  if (body->scene->n_probes == 0) return;
+  lth_json_begin_object(json, "probes");
+  for (LitheIndex i = 0; i < body->scene->n_probes; i++) {
+    LthProbeValue value = lth_probe_value(probes, body, i);
+    lth_json_begin_object(json, body->scene->probes[i].name);
+    lth_json_vector(json, "displacement", 3, value.displacement);
+    lth_json_vector(json, "stress", 6, value.stress);
+    lth_json_number(json, "von_mises", value.von_mises);
+    lth_json_end_object(json);
+  }
+  lth_json_end_object(json);
+}
+
+static LitheStatus put_error(LitheCtx *ctx, LthJson *json, const LthBody *body) {
+  const LthScene *scene = body->scene;
+  LthErrorFigures e;
+  if (!scene->has_exact_displacement && !scene->has_exact_stress) return LITHE_OK;
+  LITHE_TRY(lth_measure_error(ctx, body, &e));
+  lth_json_begin_object(json, "error");
+  if (scene->has_exact_displacement) {
+    lth_json_number(json, "l1", e.l1);
+    lth_json_number(json, "l2", e.l2);
+    lth_json_number(json, "linf", e.linf);
+    lth_json_number(json, "h1", e.h1);
+  }
+  if (scene->has_exact_stress) {
+    lth_json_begin_object(json, "stress");
+    lth_json_number(json, "l2", e.stress_l2);
+    lth_json_number(json, "linf", e.stress_linf);
+    lth_json_end_object(json);
+  }
+  lth_json_end_object(json);
+  return LITHE_OK;
+}
+
+static void put_contact(LthJson *json, const LthBody *body) {
+  if (!body->contact) return;
+  LitheIndex n;
+  double penetration, force;
+  lth_contact_report(body->contact, &n, &penetration, &force);
+  lth_json_begin_object(json, "contact");
+  lth_json_integer(json, "points", n);
+  lth_json_number(json, "penetration", penetration);
+  lth_json_number(json, "force", force);
+  lth_json_end_object(json);
+}
+
+static void put_solver(LthJson *json, const LthStepReport *r, double condition) {
+  lth_json_begin_object(json, "solver");
+  lth_json_string(json, "linear", r->linear);
+  lth_json_string(json, "reason", r->linear_reason);
+  lth_json_bool(json, "converged", r->converged);
+  lth_json_integer(json, "iterations", r->linear_total);
+  lth_json_integer(json, "newton_iterations", r->newton_iterations);
+  lth_json_number(json, "residual", r->residual);
+  if (isfinite(condition)) lth_json_number(json, "condition", condition);
+  lth_json_end_object(json);
+}
+
+static void put_times(LthJson *json, const LthTimes *times, const LthStepReport *r) {
+  lth_json_begin_object(json, "time");
+  lth_json_number(json, "read", times->read);
+  lth_json_number(json, "mesh", times->mesh);
+  lth_json_number(json, "integrate", times->integrate);
+  lth_json_number(json, "assemble", r->time_assemble);
+  lth_json_number(json, "factor", r->time_factor);
+  lth_json_number(json, "solve", r->time_solve);
+  lth_json_number(json, "output", times->output);
+  lth_json_number(json, "total", times->total);
+  lth_json_end_object(json);
+}
+
+static void put_machine(LitheCtx *ctx, LthJson *json) {
+  struct rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  lth_json_integer(json, "memory", 1024 * (LitheCount)usage.ru_maxrss);
+  lth_json_integer(json, "threads", lth_threads(ctx));
+  lth_json_begin_array(json, "warnings");
+  for (LitheIndex i = 0; i < lithe_ctx_warning_count(ctx); i++)
+    lth_json_string(json, NULL, lithe_ctx_warning(ctx, i));
+  lth_json_end_array(json);
+}
+
+static LitheStatus put_all(LitheCtx *ctx, const LthResultInput *in, LthJson *json,
+                           LitheRunSummary *summary) {
+  const LthBody *body = in->body;
+  const LthStepReport *report = lth_simulation_report(body->sim);
+  lth_json_begin_object(json, NULL);
+  lth_json_string(json, "scene", body->scene->file);
+  lth_json_string(json, "title", body->scene->title);
+  lth_json_string(json, "version", lithe_version());
+  lth_json_string(json, "status", status_word(in->status));
+  lth_json_number(json, "simulated", lth_simulation_time(body->sim));
+  put_body(json, body);
+  LITHE_TRY(put_state(ctx, json, body, summary));
+  put_energy(json, report);
+  LITHE_TRY(put_reactions(ctx, json, body));
+  put_probes(json, in->probes, body);
+  put_contact(json, body);
+  LITHE_TRY(put_error(ctx, json, body));
+  put_solver(json, report, in->condition);
+  put_times(json, &in->times, report);
+  put_machine(ctx, json);
+  lth_json_end_object(json);
+  return LITHE_OK;
+}
+
+LitheStatus lth_result_text(LitheCtx *ctx, const LthResultInput *input, LitheRunSummary *summary,
+                            char **text) {
+  LitheStatus status = LITHE_OK;
+  LthJson *json = NULL;
+  const char *lent;
+  *text = NULL;
+  LITHE_TRY_OR(done, lth_json_create(ctx, &json));
+  LITHE_TRY_OR(done, put_all(ctx, input, json, summary));
+  LITHE_TRY_OR(done, lth_json_text(json, &lent));
+  LTH_NEW_OR(done, ctx, *text, (LitheCount)strlen(lent) + 1);
+  strcpy(*text, lent);
+
+done:
+  lth_json_destroy(ctx, &json);
+  return status;
+}

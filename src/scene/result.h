@@ -1,0 +1,23 @@
+/// result.json: the figures of a whole run.
+#pragma once
+
+#include "lithe/run.h"
+#include "scene/measure.h"
+#include "scene/output.h"
+
+/// Seconds by phase; what the stepper itself took is in its report.
+typedef struct LthTimes {
+  double read, mesh, integrate, output, total;
+} LthTimes;
+
+typedef struct LthResultInput {
+  const LthBody *body;
+  const LthProbes *probes;
+  LitheStatus status; ///< LITHE_OK, LITHE_NOT_CONVERGED or LITHE_INTERRUPTED
+  LthTimes times;
+  double condition; ///< NaN: not asked for
+} LthResultInput;
+
+/// Text of the result, freed by lth_free(), and the figures that a summary shows.
+LitheStatus lth_result_text(LitheCtx *ctx, const LthResultInput *input, LitheRunSummary *summary,
+                            char **text);

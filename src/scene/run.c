@@ -1,0 +1,169 @@
+/// Running a scene from its first to its last step, and the result that remains.
+#include "lithe/run.h"
+
+#include "io/file.h"
+#include "scene/result.h"
+#include "scene/scene_public.h"
+
+#include <math.h>
+#include <string.h>
+
+struct LitheResult {
+  char *folder, *json;
+  LitheRunSummary summary;
+};
+
+const char *lithe_result_json(const LitheResult *result) {
+  return result->json ? result->json : "";
+}
+const char *lithe_result_folder(const LitheResult *result) { return result->folder; }
+LitheRunSummary lithe_result_summary(const LitheResult *result) { return result->summary; }
+
+void lithe_result_destroy(LitheCtx *ctx, LitheResult **result) {
+  if (!*result) return;
+  lth_free(ctx, (*result)->folder);
+  lth_free(ctx, (*result)->json);
+  lth_free(ctx, *result);
+  *result = NULL;
+}
+
+/// Everything that a run holds while it runs.
+typedef struct Run {
+  const LthScene *scene;
+  LthBody *body;
+  LthSchedule schedule;
+  LthOutput out;
+  LthTimes times;
+  double start;
+} Run;
+
+/// From output time k - 1 to output time k.
+static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
+  const LthSchedule *s = &run->schedule;
+  double begin = k > 1 ? lth_schedule_time(s, k - 1) : 0, end = lth_schedule_time(s, k);
+  LitheCount n = lth_schedule_steps(s, k);
+  for (LitheCount i = 0; i < n; i++) {
+    if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
+    double done = begin + (end - begin) * (double)i / (double)n;
+    lth_progress(ctx, "simulating", s->duration > 0 ? done / s->duration : -1);
+    if (s->kind == LTH_TIME_DYNAMIC)
+      LITHE_TRY(lth_simulation_step(ctx, run->body->sim, (end - begin) / (double)n));
+    else
+      LITHE_TRY(lth_simulation_equilibrium(ctx, run->body->sim,
+                                           begin + (end - begin) * (double)(i + 1) / (double)n));
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus simulate(LitheCtx *ctx, Run *run) {
+  if (run->schedule.writes_start) LITHE_TRY(lth_output_frame(ctx, &run->out, run->body));
+  for (LitheIndex k = 1; k <= run->schedule.n_outputs; k++) {
+    LITHE_TRY(advance(ctx, run, k));
+    LITHE_TRY(lth_output_frame(ctx, &run->out, run->body));
+  }
+  return lth_simulation_report(run->body->sim)->converged ? LITHE_OK : LITHE_NOT_CONVERGED;
+}
+
+/// Condition number and matrix file, where the scene asks for them.
+static LitheStatus study_matrix(LitheCtx *ctx, const Run *run, const char *folder,
+                                double *condition) {
+  const LthBlockMatrix *K = lth_simulation_matrix(run->body->sim);
+  *condition = NAN;
+  if (run->scene->export_path) {
+    char *path;
+    LITHE_TRY(lth_path_join(ctx, folder, run->scene->export_path, &path));
+    LitheStatus status = lth_block_matrix_export(ctx, K, path);
+    lth_free(ctx, path);
+    LITHE_TRY(status);
+  }
+  return run->scene->condition ? lth_block_matrix_condition(ctx, K, condition) : LITHE_OK;
+}
+
+static LitheStatus write_json(LitheCtx *ctx, const LitheResult *result) {
+  LthFileWriter writer;
+  char *path;
+  LITHE_TRY(lth_path_join(ctx, result->folder, "result.json", &path));
+  LitheStatus status = lth_file_open(ctx, path, &writer);
+  if (status == LITHE_OK) {
+    fputs(result->json, writer.stream);
+    status = lth_file_commit(ctx, &writer);
+  }
+  lth_free(ctx, path);
+  return status;
+}
+
+static void summarise(const Run *run, LitheResult *result) {
+  const LthStepReport *report = lth_simulation_report(run->body->sim);
+  result->summary.elements = run->body->mesh->n_cells;
+  result->summary.unknowns = run->body->space->n_dofs;
+  result->summary.frames = run->out.n_frames;
+  result->summary.simulated = lth_simulation_time(run->body->sim);
+  result->summary.penetration = report->penetration;
+  result->summary.converged = report->converged;
+  result->summary.seconds = run->times.total;
+}
+
+/// What is worth telling about a run that ended, ended early or did not converge.
+static LitheStatus conclude(LitheCtx *ctx, Run *run, LitheStatus status, LitheResult *result) {
+  LthResultInput input = {.body = run->body, .probes = run->out.probes, .status = status};
+  LITHE_TRY(study_matrix(ctx, run, result->folder, &input.condition));
+  run->times.output = run->out.seconds;
+  run->times.total = run->times.read + lth_now() - run->start;
+  input.times = run->times;
+  LITHE_TRY(lth_result_text(ctx, &input, &result->summary, &result->json));
+  summarise(run, result);
+  return LITHE_OK;
+}
+
+static LitheStatus name_folder(LitheCtx *ctx, const LthScene *scene, const char *folder,
+                               char **name) {
+  if (!folder) return lth_path_join(ctx, "out", scene->name, name);
+  LTH_NEW(ctx, *name, (LitheCount)strlen(folder) + 1);
+  strcpy(*name, folder);
+  return LITHE_OK;
+}
+
+/// A status whose files are whole and worth a result.json.
+static bool has_result(LitheStatus status) {
+  return status == LITHE_OK || status == LITHE_NOT_CONVERGED || status == LITHE_INTERRUPTED;
+}
+
+static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
+  double spent[2];
+  LITHE_TRY(lth_body_create(ctx, run->scene, spent, &run->body));
+  run->times.mesh = spent[0];
+  run->times.integrate = spent[1];
+  LitheStatus status = lth_output_open(ctx, result->folder, run->body, &run->schedule, &run->out);
+  if (status == LITHE_OK) status = simulate(ctx, run);
+  if (has_result(status)) {
+    LitheStatus concluded = conclude(ctx, run, status, result);
+    if (concluded != LITHE_OK) status = concluded;
+  }
+  LitheStatus closed = lth_output_close(ctx, &run->out);
+  if (closed != LITHE_OK && has_result(status)) status = closed;
+
+  // last of all: a result.json stands only beside files that are whole
+  if (has_result(status)) {
+    LitheStatus written = write_json(ctx, result);
+    if (written != LITHE_OK) status = written;
+  }
+  if (status == LITHE_NOT_CONVERGED)
+    lth_fail(ctx, status, "%s: a solve did not converge; %s/result.json has the figures",
+             run->scene->file, result->folder);
+  return status;
+}
+
+LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                      LitheResult **result) {
+  Run run = {.scene = scene->scene, .start = lth_now()};
+  LTH_NEW(ctx, *result, 1);
+  LITHE_TRY(name_folder(ctx, run.scene, folder, &(*result)->folder));
+  int threads = lth_threads(ctx);
+  if (run.scene->threads > 0) lth_set_threads(ctx, run.scene->threads);
+  run.times.read = scene->read_seconds;
+  run.schedule = lth_schedule_make(run.scene);
+  LitheStatus status = run_scene(ctx, &run, *result);
+  lth_body_destroy(ctx, &run.body);
+  lth_set_threads(ctx, threads);
+  return status;
+}

@@ -1,0 +1,93 @@
+"""Scenes from outside: what a run writes, what it says, and how it ends."""
+import json
+import os
+
+from cli import check, done, expect, folder, run
+
+BEAM = """lithe: 1
+title: Cantilever
+bodies:
+  - name: beam
+    shape: {box: {min: [0, 0, 0], max: [1, 0.2, 0.2]}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [5, 1, 1], degree: 2}
+    constraints:
+      - {where: {plane: {point: [0, 0, 0], normal: [-1, 0, 0]}}, displacement: [0, 0, 0]}
+gravity: [0, -1, 0]
+time: {kind: static}
+probes:
+  - {name: tip, point: [1, 0.1, 0.1]}
+output: {every: last, fields: [vtu]}
+"""
+
+
+def write(directory, text, name="beam.yaml"):
+    path = os.path.join(directory, name)
+    with open(path, "w") as file:
+        file.write(text)
+    return path
+
+
+def read_json(*path):
+    with open(os.path.join(*path)) as file:
+        return json.load(file)
+
+
+with folder() as d:
+    write(d, BEAM)
+    got = run("run", "beam.yaml", "-o", "result", cwd=d)
+    expect("a_run_ends_well", got.returncode == 0 and got.stderr == "", got.stderr)
+    expect("a_run_says_where_the_result_is", "\n  result            result/result.json\n" in got.stdout, got.stdout)
+    result = read_json(d, "result", "result.json")
+    body = result["bodies"][0]
+    expect("result_tells_the_body", result["status"] == "done" and body["elements"] == 5 and
+           body["dofs"] == 150 and abs(body["volume"] - 0.04) < 1e-15, body)
+    reaction = result["reaction"]["bodies.0.constraints.0"]
+    expect("reaction_carries_the_weight", abs(reaction[1] - 40) < 1e-6 * 40, reaction)
+    files = set(os.listdir(os.path.join(d, "result")))
+    expect("a_static_run_writes_one_state", files == {"result.json", "history.csv", "probes.csv",
+                                                      "fields.pvd", "fields_0000.vtu"}, files)
+    rows = open(os.path.join(d, "result", "probes.csv")).read().splitlines()
+    expect("probes_have_a_row_an_output", len(rows) == 2 and rows[0].startswith("t,tip_ux,tip_uy"), rows)
+    expect("default_folder_is_named_by_the_scene", run("run", "beam.yaml", "--quiet", cwd=d).stdout == "" and
+           os.path.exists(os.path.join(d, "out", "beam", "result.json")))
+
+    got = run("run", "beam.yaml", "--json", cwd=d)
+    expect("json_is_the_result_on_standard_output",
+           json.loads(got.stdout) == read_json(d, "out", "beam", "result.json"), got.stdout)
+    coarse = run("run", "beam.yaml", "--json", "--set", "bodies.0.method.degree=1", cwd=d)
+    expect("set_overrides_a_value", json.loads(coarse.stdout)["bodies"][0]["dofs"] == 60, coarse.stdout)
+    one = json.loads(run("run", "beam.yaml", "--json", "--threads", "1", cwd=d).stdout)
+    two = json.loads(run("run", "beam.yaml", "--json", "--threads", "2", cwd=d).stdout)
+    expect("threads_do_not_change_the_bits", one["threads"] == 1 and two["threads"] == 2 and
+           one["probes"] == two["probes"] and one["energy"] == two["energy"])
+
+    got = run("check", "beam.yaml", "--json", cwd=d)
+    forecast = json.loads(got.stdout)
+    expect("check_counts_without_running", forecast["elements"] == 5 and forecast["dofs"] == 150 and
+           forecast["nonzeros"] == body["nonzeros"] and not got.stderr, forecast)
+    got = run("mesh", "beam.yaml", "-o", "mesh.vtu", "--json", cwd=d)
+    report = json.loads(got.stdout)
+    expect("mesh_reports_and_writes", report["elements"] == 5 and report["inner_faces"] == 4 and
+           os.path.exists(os.path.join(d, "mesh.vtu")), report)
+
+# ways to fail: the message says what, where and what helps
+with folder() as d:
+    write(d, BEAM)
+    check("missing_file_is_bad_input", ["run", "none.yaml"], err=None, status=2, cwd=d)
+    empty = BEAM.replace("point: [0, 0, 0], normal: [-1, 0, 0]", "point: [-1, 0, 0], normal: [-1, 0, 0]")
+    write(d, empty, "empty.yaml")
+    check("empty_selection_names_the_path_and_the_body", ["run", "empty.yaml"], status=2, cwd=d,
+          err="lithe: empty.yaml: bodies.0.constraints.0.where: selects nothing of the body's boundary; "
+              "the body reaches from (0, 0, 0) to (1, 0.2, 0.2)\n")
+    write(d, BEAM.replace("displacement: [0, 0, 0]}", "displacement: [0, null, 0]}"), "free.yaml")
+    got = run("run", "free.yaml", cwd=d)
+    expect("a_free_static_body_names_its_motions", got.returncode == 2 and "translation along y" in got.stderr and
+           not os.path.exists(os.path.join(d, "out", "free", "result.json")), got.stderr)
+    write(d, "lithe: 1\nbodies:\n  - {name: a, shap: {box: {}}}\n", "bad.yaml")
+    got = run("check", "bad.yaml", cwd=d)
+    expect("all_errors_of_a_file_come_at_once", got.returncode == 2 and got.stdout == "" and
+           len(got.stderr.splitlines()) > 1 and all(x.startswith("bad.yaml:") for x in got.stderr.splitlines()),
+           got.stderr)
+    expect("an_unwritable_folder_is_status_4", run("run", "beam.yaml", "-o", "/proc/none", cwd=d).returncode == 4)
+done()
