@@ -193,16 +193,34 @@ static double winding(const Grouping *g, LitheIndex element, const double x[3]) 
   return sum / (4 * M_PI);
 }
 
+/// Middle of an element's largest part, a convex piece of a triangle: where shells touch each other, they
+/// do so in points and edges, never there.
+static void probe_point(const Grouping *g, LitheIndex element, double x[3]) {
+  const SliceParts *parts = &g->s->parts;
+  LitheIndex best = g->first[element] / 2;
+  for (LitheIndex side = g->first[element]; side >= 0; side = g->next[side])
+    if (parts->area[side / 2] > parts->area[best]) best = side / 2;
+  LitheIndex loop = parts->loop_off[best], first = parts->off[loop],
+             n = parts->off[loop + 1] - first;
+  const double *o = g->s->point + 3 * (LitheCount)parts->point[first];
+  lth_v3_copy(o, x);
+  for (LitheIndex i = first; i < first + n; i++) {
+    double d[3];
+    lth_v3_sub(g->s->point + 3 * (LitheCount)parts->point[i], o, d);
+    lth_v3_axpy(1.0 / n, d, x);
+  }
+}
+
 /// The smallest of a cell's elements [first, last) around the cavity; -1 if there is none.
 static LitheIndex find_container(const Grouping *g, LitheIndex cavity, LitheIndex first,
                                  LitheIndex last) {
-  const Slicer *s = g->s;
-  const SliceParts *parts = &s->parts;
-  LitheIndex p = g->first[cavity] / 2, best = -1;
-  const double *x = s->point + 3 * (LitheCount)parts->point[parts->off[parts->loop_off[p]]];
+  const double *volume = g->s->elements.volume;
+  LitheIndex best = -1;
+  double x[3];
+  probe_point(g, cavity, x);
   for (LitheIndex i = first; i < last; i++) {
-    if (!(s->elements.volume[i] > -s->elements.volume[cavity])) continue;
-    if (best >= 0 && s->elements.volume[i] >= s->elements.volume[best]) continue;
+    if (!(volume[i] > -volume[cavity])) continue;
+    if (best >= 0 && volume[i] >= volume[best]) continue;
     if (winding(g, i, x) > 0.5) best = i;
   }
   return best;

@@ -4,6 +4,20 @@
 #include "mesh/mesh.h"
 #include "solids.h"
 
+/// Cubic cells of size / n about the middle of the surface.
+static inline LthGrid cubic_grid(const LthSurface *s, int n) {
+  LthGrid g;
+  double lo[3], hi[3], h = 0;
+  solid_bounds(s, lo, hi);
+  for (int a = 0; a < 3; a++) h = fmax(h, (hi[a] - lo[a]) / n);
+  for (int a = 0; a < 3; a++) {
+    g.cells[a] = (LitheIndex)ceil((hi[a] - lo[a]) / h - 1e-9);
+    g.min[a] = (lo[a] + hi[a] - h * g.cells[a]) / 2;
+    g.max[a] = g.min[a] + h * g.cells[a];
+  }
+  return g;
+}
+
 /// Keep the part of a convex polygon with x[axis] < value; returns its number of points.
 static inline int clip_below(double (*poly)[3], int n, int axis, double value) {
   double out[16][3];
