@@ -18,6 +18,7 @@ static void catch_signals(LitheCtx *ctx) {
   signal(SIGINT, on_interrupt);
   signal(SIGTERM, on_interrupt);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN); // a file beyond the limit is a failed write like any other
 }
 
 static void print_scene_errors(const LitheScene *scene) {

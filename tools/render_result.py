@@ -1,0 +1,191 @@
+#!/usr/bin/python3
+"""Renders frames of a result side by side into one picture, off-screen, with VTK (python3-vtk9).
+
+usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut|rest]
+                        [--colour von_mises|displacement|none] [--azimuth 30] [--elevation 15] [--size 480x400]
+
+surface: the embedded surface (surface.obj + surface.pc2); elements: the polyhedra of fields_*.vtu;
+cut: the polyhedra in front of the middle left away; shrunk elements show that they are separate.
+"""
+import argparse
+import glob
+import os
+import struct
+
+import vtk
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+import numpy as np
+
+
+def read_surface(folder, frame):
+    """The embedded surface with the points of one frame of its cache."""
+    reader = vtk.vtkOBJReader()
+    reader.SetFileName(os.path.join(folder, "surface.obj"))
+    reader.Update()
+    surface = reader.GetOutput()
+    with open(os.path.join(folder, "surface.pc2"), "rb") as file:
+        _, _, n, _, _, samples = struct.unpack("<12siiffi", file.read(32))
+        file.seek(32 + 12 * n * (frame % samples))
+        points = np.frombuffer(file.read(12 * n), "<f4").reshape(n, 3)
+    if surface.GetNumberOfPoints() == n:
+        surface.GetPoints().SetData(numpy_to_vtk(points, deep=True))
+    else:
+        raise SystemExit("surface.obj was read with %d points, surface.pc2 has %d"
+                         % (surface.GetNumberOfPoints(), n))
+    return surface
+
+
+def read_elements(folder, frame, shrink, cut):
+    files = sorted(glob.glob(os.path.join(folder, "fields_*.vtu")))
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(files[frame % len(files)])
+    reader.Update()
+    grid = reader.GetOutput()
+    n = grid.GetNumberOfCells()
+    centers = np.array([np.mean([grid.GetCell(c).GetBounds()[2 * a:2 * a + 2] for a in range(3)], axis=1)
+                        for c in range(n)])
+    keep = np.ones(n, bool)
+    if cut:
+        keep = centers[:, 2] <= np.median(centers[:, 2])
+    return faces_of(grid, centers, keep, shrink)
+
+
+def faces_of(grid, centers, keep, shrink):
+    """The faces of the cells kept, each cell drawn towards its middle."""
+    points, polys = vtk.vtkPoints(), vtk.vtkCellArray()
+    arrays = {name: vtk_to_numpy(grid.GetCellData().GetArray(name)) for name in ("von_mises",)
+              if grid.GetCellData().HasArray(name)}
+    moved = grid.GetPointData().GetArray("displacement")
+    values = {name: [] for name in arrays}
+    if moved:
+        values["displacement"] = []
+    for c in np.nonzero(keep)[0]:
+        cell, index = grid.GetCell(int(c)), {}
+        for i in range(cell.GetNumberOfPoints()):
+            p = np.array(cell.GetPoints().GetPoint(i))
+            index[cell.GetPointId(i)] = points.InsertNextPoint(centers[c] + shrink * (p - centers[c]))
+        for f in range(cell.GetNumberOfFaces()):
+            face = cell.GetFace(f)
+            ids = [index[face.GetPointId(i)] for i in range(face.GetNumberOfPoints())]
+            polys.InsertNextCell(len(ids), ids)
+            for name in arrays:
+                values[name].append(arrays[name][c])
+            if moved:
+                values["displacement"].append(np.linalg.norm(moved.GetTuple(cell.GetPointId(0))))
+    data = vtk.vtkPolyData()
+    data.SetPoints(points)
+    data.SetPolys(polys)
+    for name, list_ in values.items():
+        array = numpy_to_vtk(np.array(list_, float), deep=True)
+        array.SetName(name)
+        data.GetCellData().AddArray(array)
+    return data
+
+
+def colour_table():
+    table = vtk.vtkColorTransferFunction()
+    table.SetColorSpaceToLab()
+    stops = [(0, .23, .30, .75), (.25, .35, .65, .85), (.5, .9, .9, .85), (.75, .95, .65, .35), (1, .70, .02, .15)]
+    for x, r, g, b in stops:
+        table.AddRGBPoint(x, r, g, b)
+    lut = vtk.vtkLookupTable()
+    lut.SetNumberOfTableValues(256)
+    for i in range(256):
+        lut.SetTableValue(i, *table.GetColor(i / 255), 1)
+    return lut
+
+
+def add_floor(renderer, y, bounds):
+    size = 3 * max(bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4])
+    plane = vtk.vtkPlaneSource()
+    x, z = (bounds[0] + bounds[1]) / 2, (bounds[4] + bounds[5]) / 2
+    plane.SetOrigin(x - size, y, z - size)
+    plane.SetPoint1(x + size, y, z - size)
+    plane.SetPoint2(x - size, y, z + size)
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputConnection(plane.GetOutputPort())
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(.86, .86, .84)
+    actor.GetProperty().SetAmbient(.35)
+    renderer.AddActor(actor)
+
+
+def make_actor(data, args, top):
+    normals = vtk.vtkPolyDataNormals()
+    normals.SetInputData(data)
+    normals.SetFeatureAngle(60 if args.what == "surface" else 1)
+    normals.SplittingOn()
+    normals.ConsistencyOff()
+    mapper = vtk.vtkPolyDataMapper()
+    mapper.SetInputConnection(normals.GetOutputPort())
+    actor = vtk.vtkActor()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(.80, .62, .45)
+    actor.GetProperty().SetSpecular(.15)
+    if args.colour != "none" and data.GetCellData().HasArray(args.colour):
+        mapper.SetScalarModeToUseCellFieldData()
+        mapper.SelectColorArray(args.colour)
+        mapper.SetLookupTable(colour_table())
+        mapper.SetScalarRange(0, top)
+    else:
+        mapper.ScalarVisibilityOff()
+    return actor
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder")
+    parser.add_argument("picture")
+    parser.add_argument("--frames", default="-1")
+    parser.add_argument("--what", default="surface", choices=("surface", "elements", "cut"))
+    parser.add_argument("--colour", default="von_mises")
+    parser.add_argument("--azimuth", type=float, default=25)
+    parser.add_argument("--elevation", type=float, default=12)
+    parser.add_argument("--size", default="420x420")
+    parser.add_argument("--shrink", type=float, default=1)
+    parser.add_argument("--floor", type=float, default=None)
+    args = parser.parse_args()
+    frames = [int(f) for f in args.frames.split(",")]
+    width, height = (int(x) for x in args.size.split("x"))
+
+    parts = [read_surface(args.folder, f) if args.what == "surface" else
+             read_elements(args.folder, f, args.shrink, args.what == "cut") for f in frames]
+    all_bounds = np.array([p.GetBounds() for p in parts])
+    bounds = [g(all_bounds[:, i]) for i, g in zip(range(6), (min, max) * 3)]
+    top = max([np.percentile(vtk_to_numpy(p.GetCellData().GetArray(args.colour)), 99) for p in parts
+               if p.GetCellData().HasArray(args.colour)] + [1e-300])
+
+    window = vtk.vtkRenderWindow()
+    window.SetOffScreenRendering(1)
+    window.SetMultiSamples(8)
+    window.SetSize(width * len(parts), height)
+    camera = None
+    for i, data in enumerate(parts):
+        renderer = vtk.vtkRenderer()
+        renderer.SetViewport(i / len(parts), 0, (i + 1) / len(parts), 1)
+        renderer.SetBackground(1, 1, 1)
+        renderer.AddActor(make_actor(data, args, top))
+        window.AddRenderer(renderer)
+        if camera is None:
+            renderer.ResetCamera(bounds)
+            camera = renderer.GetActiveCamera()
+            camera.Azimuth(args.azimuth)
+            camera.Elevation(args.elevation)
+            renderer.ResetCamera(bounds)
+            camera.Zoom(1.25)
+        renderer.SetActiveCamera(camera)
+        if args.floor is not None:
+            add_floor(renderer, args.floor, bounds)
+        renderer.ResetCameraClippingRange()
+    window.Render()
+    grab = vtk.vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.ReadFrontBufferOff()
+    writer = vtk.vtkPNGWriter()
+    writer.SetFileName(args.picture)
+    writer.SetInputConnection(grab.GetOutputPort())
+    writer.Write()
+
+
+main()
