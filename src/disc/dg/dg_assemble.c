@@ -170,6 +170,37 @@ static void add_partial_hold(const LthDgOperator *op, const LthDgHold *hold, dou
     }
 }
 
+/// The same for a roller, P = n n^T: rows n (x) v_ij with v_ij = R B_ij^T R^T n, and q_ij n (x) n.
+static void add_roller(const LthDgOperator *op, const LthDgHold *hold, double *block) {
+  int nb = lth_dg_funcs(op->space, hold->cell), nl = lth_dg_lower(op->space, hold->cell);
+  const LthDgGroup *group = &op->groups[hold->first_group];
+  const double *R = op->rotation + 9 * (LitheCount)hold->cell, *n = group->normal;
+  const double *mass = op->group_data + group->table, *slope = lth_dg_slope(op, hold->cell);
+  bool ip = op->flux == LTH_FLUX_IP;
+  double turned[3], lambda = -op->lambda[hold->cell], mu = -op->mu[hold->cell];
+  lth_m3_apply(R, n, turned);
+  double cosine = lth_v3_dot(n, turned);
+  const LthDgPenalty *p = &group->penalty;
+  double full = p->full_iso + p->full_normal[0] * cosine * cosine;
+  double mean = (p->mean_iso + p->mean_normal[0] * cosine * cosine) / group->area;
+
+  for (int i = 0; i < nb; i++)
+    for (int j = 0; j < nb; j++) {
+      double g[3] = {0}, v[3], r[3] = {0};
+      for (int b = 0; ip && b < 3; b++)
+        for (int l = 0; l < nl; l++) g[b] += mass[i * nb + l] * slope[(b * nb + j) * nl + l];
+      if (ip) lth_m3_apply(R, g, r);
+      double ng = lth_v3_dot(n, g), nr = lth_v3_dot(n, r);
+      double q = full * mass[i * nb + j] + mean * mass[i] * mass[j];
+      for (int b = 0; b < 3; b++) v[b] = lambda * cosine * r[b] + mu * (nr * turned[b] + ng * n[b]);
+      for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+          block[((i * 3 + a) * 3 + b) * nb + j] += n[a] * (v[b] + q * n[b]);
+          block[((j * 3 + b) * 3 + a) * nb + i] += n[a] * v[b];
+        }
+    }
+}
+
 static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *block) {
   int nb = lth_dg_funcs(op->space, cell);
   rotate_cell_sized(nb, op->cell_data + op->cell_off[cell], op->rotation + 9 * (LitheCount)cell,
@@ -181,7 +212,10 @@ static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *
     add_mass_sized(nb, lth_dg_face_tables(op, face).mass[op->sides[s].side], full, mean, block);
   }
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
-    if (!op->holds[h].whole) add_partial_hold(op, &op->holds[h], block);
+    if (op->holds[h].roller)
+      add_roller(op, &op->holds[h], block);
+    else if (!op->holds[h].whole)
+      add_partial_hold(op, &op->holds[h], block);
   interleave_sized(3 * nb, nb, block);
 }
 

@@ -35,6 +35,7 @@ static bool is_varying(const LthWeakConstraint *weak) {
 
 static void set_projector(const LthWeakConstraint *weak, const double n[3], LthDgHold *hold) {
   memset(hold->P, 0, sizeof hold->P);
+  hold->roller = weak->normal_only;
   hold->whole = !weak->normal_only && weak->fixed[0] && weak->fixed[1] && weak->fixed[2];
   for (int a = 0; a < 3; a++) {
     if (!weak->normal_only) hold->P[4 * a] = weak->fixed[a];
@@ -98,7 +99,7 @@ static LitheStatus place_tables(LitheCtx *ctx, LthDgOperator *op) {
     LitheCount nb = lth_dg_funcs(op->space, hold->cell);
     op->hold_off[hold->cell + 1]++;
     hold->table = hold_doubles;
-    if (!hold->whole) hold_doubles += 18 * nb * nb;
+    if (!hold->whole && !hold->roller) hold_doubles += 18 * nb * nb;
     for (LitheIndex g = 0; g < hold->n_groups; g++) {
       op->groups[hold->first_group + g].table = group_doubles;
       group_doubles += nb * nb + 3 * nb;

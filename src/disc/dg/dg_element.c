@@ -142,7 +142,7 @@ void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell) {
     const LthDgHold *hold = &op->holds[h];
     if (hold->whole)
       hold_matrices(op, hold, flux, block);
-    else
+    else if (!hold->roller)
       hold_matrices(op, hold, op->hold_data + hold->table,
                     op->hold_data + hold->table + 9 * nb * nb);
   }

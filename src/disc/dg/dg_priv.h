@@ -56,13 +56,15 @@ typedef struct LthDgGroup {
 } LthDgGroup;
 
 /// All of one constraint on one cell with the same projector P on the prescribed components. Where P is
-/// the identity its matrices are part of the cell's; else `table` in hold_data starts
-/// flux (nb x 3 x 3 x nb) and penalty (nb x 3 x 3 x nb), laid out as LthDgOperator.cell_data.
+/// the identity its matrices are part of the cell's, those of a roller are made anew from its one group;
+/// else `table` in hold_data starts flux (nb x 3 x 3 x nb) and penalty (nb x 3 x 3 x nb), laid out as
+/// LthDgOperator.cell_data.
 typedef struct LthDgHold {
   LitheIndex cell, constraint;
   LitheIndex first_group, n_groups;
   double P[9];
-  bool whole; ///< P = I
+  bool whole;  ///< P = I
+  bool roller; ///< P = n n^T
   LitheCount table;
 } LthDgHold;
 

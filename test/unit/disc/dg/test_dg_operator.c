@@ -284,6 +284,47 @@ static void reassembly_allocates_nothing(void **state) {
   test_body_free(&b);
 }
 
+/// Memory that gives out after a number of allocations.
+static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
+  int *left = user;
+  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+static void plain_release(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
+static void every_failed_allocation_is_told_and_leaks_nothing(void **state) {
+  (void)state;
+  int left = 1000000;
+  LitheCtxDef ctx_def = lithe_ctx_def_default();
+  ctx_def.allocate = failing_allocate, ctx_def.release = plain_release, ctx_def.memory_user = &left;
+  LitheCtx *ctx = lithe_ctx_create(&ctx_def);
+  LthMesh *mesh = NULL;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &block, &mesh));
+  TestBody b = test_body_of(ctx, mesh, 1);
+  test_hold(&b, test_facing_down_x)->value[0].eval = varying_value;
+  test_hold(&b, test_facing_up_x)->normal_only = true;
+  b.def.weak = b.weak;
+  LitheCount held = lth_alloc_bytes(ctx);
+  LitheStatus status = LITHE_NO_MEMORY;
+  int n = 0;
+  for (; status != LITHE_OK && n < 200; n++) {
+    left = n;
+    status = lth_dg_operator_create(ctx, &b.def, &b.op);
+    if (status == LITHE_OK) status = lth_dg_matrix_create(ctx, b.op, &b.K);
+    if (status == LITHE_OK) break;
+    assert_int_equal(status, LITHE_NO_MEMORY);
+    lth_dg_operator_destroy(ctx, &b.op);
+    assert_null(b.K);
+    assert_int_equal(lth_alloc_bytes(ctx), held);
+  }
+  assert_int_equal(status, LITHE_OK);
+  assert_true(n > 25);
+  left = 1000000;
+  test_body_free(&b);
+}
+
 static void stress_of_a_stretched_and_turned_body(void **state) {
   (void)state;
   TestBody b = test_body(TEST_HEXAHEDRA, block, 2);
@@ -332,6 +373,7 @@ int main(void) {
       cmocka_unit_test(constraints_do_not_depend_on_the_origin),
       cmocka_unit_test(threads_give_the_same_bits),
       cmocka_unit_test(reassembly_allocates_nothing),
+      cmocka_unit_test(every_failed_allocation_is_told_and_leaks_nothing),
       cmocka_unit_test(stress_of_a_stretched_and_turned_body),
       cmocka_unit_test(bad_materials_are_refused),
   };
