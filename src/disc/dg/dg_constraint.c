@@ -36,6 +36,7 @@ static bool is_varying(const LthWeakConstraint *weak) {
 static void set_projector(const LthWeakConstraint *weak, const double n[3], LthDgHold *hold) {
   memset(hold->P, 0, sizeof hold->P);
   hold->roller = weak->normal_only;
+  hold->varying = is_varying(weak);
   hold->whole = !weak->normal_only && weak->fixed[0] && weak->fixed[1] && weak->fixed[2];
   for (int a = 0; a < 3; a++) {
     if (!weak->normal_only) hold->P[4 * a] = weak->fixed[a];
@@ -99,7 +100,7 @@ static LitheStatus place_tables(LitheCtx *ctx, LthDgOperator *op) {
     LitheCount nb = lth_dg_funcs(op->space, hold->cell);
     op->hold_off[hold->cell + 1]++;
     hold->table = hold_doubles;
-    if (!hold->whole && !hold->roller) hold_doubles += 18 * nb * nb;
+    if (!hold->roller) hold_doubles += 18 * nb * nb;
     for (LitheIndex g = 0; g < hold->n_groups; g++) {
       op->groups[hold->first_group + g].table = group_doubles;
       group_doubles += nb * nb + 3 * nb;
@@ -290,7 +291,7 @@ void lth_dg_group_data(const LthDgOperator *op, const LthDgHold *hold, const Lth
   double shift = (absolute ? 1 : 0) - (weak->is_position ? 1 : 0); // positions are given as such
   memset(moments, 0, sizeof *moments * 3 * (size_t)nb);
   if (square) memset(square, 0, sizeof *square * 9);
-  if (is_varying(weak))
+  if (hold->varying)
     varying_data(op, weak, nb, group, t, shift, moments, square);
   else
     constant_data(op, hold, group, t, shift, moments, square);
@@ -328,28 +329,70 @@ static void add_traction_data(const LthDgOperator *op, const LthDgHold *hold,
   }
 }
 
-void lth_dg_hold_load(const LthDgOperator *op, const LthDgHold *hold, double t, double *f0) {
+/// Load of one group, from the moments of its data.
+static void add_group_load(const LthDgOperator *op, const LthDgHold *hold, const LthDgGroup *group,
+                           double t, double *f0) {
   int nb = lth_dg_funcs(op->space, hold->cell);
   const double *R = op->rotation + 9 * (LitheCount)hold->cell;
+  const double *mass = op->group_data + group->table, *n = group->normal;
+  const LthDgPenalty *p = &group->penalty;
   bool ip = op->flux == LTH_FLUX_IP;
-  double kappa = 3 * op->lambda[hold->cell] + 2 * op->mu[hold->cell];
-  for (LitheIndex g = 0; g < hold->n_groups; g++) {
-    const LthDgGroup *group = &op->groups[hold->first_group + g];
-    const double *mass = op->group_data + group->table, *n = group->normal;
-    const LthDgPenalty *p = &group->penalty;
-    double y[3 * LTH_DG_MAX_FUNCS];
-    lth_dg_group_data(op, hold, group, t, true, y, NULL);
-    for (int i = 0; i < nb; i++) { // y = R^T P data
-      double v[3];
-      lth_m3_apply(hold->P, y + 3 * i, v);
-      lth_m3_apply_t(R, v, y + 3 * i);
-    }
-    if (ip) add_traction_data(op, hold, group, y, f0);
-    for (int i = 0; i < nb; i++) {
-      double mean = mass[i] / group->area;
-      if (ip) add_projected(hold, R, -kappa * mass[i], 0, n, n, f0 + 3 * i);
-      add_projected(hold, R, p->full_iso, p->full_normal[0], n, y + 3 * i, f0 + 3 * i);
-      add_projected(hold, R, mean * p->mean_iso, mean * p->mean_normal[0], n, y, f0 + 3 * i);
-    }
+  double kappa = 3 * op->lambda[hold->cell] + 2 * op->mu[hold->cell], y[3 * LTH_DG_MAX_FUNCS];
+  lth_dg_group_data(op, hold, group, t, true, y, NULL);
+  for (int i = 0; i < nb; i++) { // y = R^T P data
+    double v[3];
+    lth_m3_apply(hold->P, y + 3 * i, v);
+    lth_m3_apply_t(R, v, y + 3 * i);
   }
+  if (ip) add_traction_data(op, hold, group, y, f0);
+  for (int i = 0; i < nb; i++) {
+    double mean = mass[i] / group->area;
+    if (ip) add_projected(hold, R, -kappa * mass[i], 0, n, n, f0 + 3 * i);
+    add_projected(hold, R, p->full_iso, p->full_normal[0], n, y + 3 * i, f0 + 3 * i);
+    add_projected(hold, R, mean * p->mean_iso, mean * p->mean_normal[0], n, y, f0 + 3 * i);
+  }
+}
+
+/// Load of data that are X + d or d with constant d, through the hold's matrices: cost by the cell, not by
+/// its pieces.  f0_i += P R B_ij X0_j + R B_ji^T y_j + P R Q_ij y_j,  y_j = R^T P XD_j.
+static void add_constant_load(const LthDgOperator *op, const LthDgHold *hold, double t,
+                              double *f0) {
+  const LthWeakConstraint *weak = &op->weak[hold->constraint];
+  int nb = lth_dg_funcs(op->space, hold->cell);
+  const double *R = op->rotation + 9 * (LitheCount)hold->cell;
+  const double *X0 = op->rest + 3 * (LitheCount)op->space->func_off[hold->cell];
+  const double *flux = op->hold_data + hold->table, *penalty = flux + 9 * nb * nb;
+  static const double nowhere[3] = {0};
+  double d[3], y[4][3], v[3], w[3];
+  prescribed(weak, nowhere, nowhere, t, d);
+  for (int j = 0; j < 4; j++) { // X0 and constants have no more coefficients
+    for (int a = 0; a < 3; a++)
+      v[a] = (weak->is_position ? 0 : X0[3 * j + a]) + (j == 0 ? d[a] : 0);
+    lth_m3_apply(hold->P, v, w);
+    lth_m3_apply_t(R, w, y[j]);
+  }
+  for (int i = 0; i < nb; i++) {
+    double projected[3] = {0}, free[3] = {0};
+    for (int j = 0; j < 4; j++)
+      for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+          projected[a] += flux[((i * 3 + a) * 3 + b) * nb + j] * X0[3 * j + b] +
+                          penalty[((i * 3 + a) * 3 + b) * nb + j] * y[j][b];
+          free[a] += flux[((j * 3 + b) * 3 + a) * nb + i] * y[j][b];
+        }
+    lth_m3_apply(R, projected, v);
+    lth_m3_apply(hold->P, v, w);
+    lth_v3_axpy(1, w, f0 + 3 * i);
+    lth_m3_apply(R, free, v);
+    lth_v3_axpy(1, v, f0 + 3 * i);
+  }
+}
+
+void lth_dg_hold_load(const LthDgOperator *op, const LthDgHold *hold, double t, double *f0) {
+  if (!hold->roller && !hold->varying) {
+    add_constant_load(op, hold, t, f0);
+    return;
+  }
+  for (LitheIndex g = 0; g < hold->n_groups; g++)
+    add_group_load(op, hold, &op->groups[hold->first_group + g], t, f0);
 }

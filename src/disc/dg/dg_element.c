@@ -140,11 +140,11 @@ void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell) {
   if (op->flux == LTH_FLUX_IP) own_flux(op, cell, flux, load);
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++) {
     const LthDgHold *hold = &op->holds[h];
-    if (hold->whole)
-      hold_matrices(op, hold, flux, block);
-    else if (!hold->roller)
-      hold_matrices(op, hold, op->hold_data + hold->table,
-                    op->hold_data + hold->table + 9 * nb * nb);
+    double *hold_flux = op->hold_data + hold->table, *penalty = hold_flux + 9 * nb * nb;
+    if (hold->roller) continue;
+    hold_matrices(op, hold, hold_flux, penalty);
+    for (int i = 0; i < 9 * nb * nb && hold->whole; i++)
+      flux[i] += hold_flux[i], block[i] += penalty[i];
   }
   add_symmetrised(nb, flux, block);
 }

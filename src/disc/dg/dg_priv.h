@@ -55,16 +55,17 @@ typedef struct LthDgGroup {
   LitheIndex n_points;
 } LthDgGroup;
 
-/// All of one constraint on one cell with the same projector P on the prescribed components. Where P is
-/// the identity its matrices are part of the cell's, those of a roller are made anew from its one group;
-/// else `table` in hold_data starts flux (nb x 3 x 3 x nb) and penalty (nb x 3 x 3 x nb), laid out as
-/// LthDgOperator.cell_data.
+/// All of one constraint on one cell with the same projector P on the prescribed components. `table` in
+/// hold_data starts the sums over its groups, flux (nb x 3 x 3 x nb) and penalty (nb x 3 x 3 x nb), laid
+/// out as LthDgOperator.cell_data, unrotated and before the projector. Rollers, of which a curved surface
+/// may have one a facet, have none: their matrices are made anew from the one group.
 typedef struct LthDgHold {
   LitheIndex cell, constraint;
   LitheIndex first_group, n_groups;
   double P[9];
-  bool whole;  ///< P = I
-  bool roller; ///< P = n n^T
+  bool whole;   ///< P = I: its matrices are part of the cell's, too
+  bool roller;  ///< P = n n^T
+  bool varying; ///< the data are callbacks
   LitheCount table;
 } LthDgHold;
 
