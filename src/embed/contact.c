@@ -4,7 +4,7 @@
 
 #define AUTO_MODULUS 10    ///< stiffness over that of a layer of cells
 #define AUTO_WEIGHT 0.0025 ///< penetration over body size under the weight ...
-#define AUTO_SPOT 0.01     ///< ... on this part of the size squared
+#define AUTO_SPOT 0.004    ///< ... on this part of the size squared
 
 /// Stiffer than the cells behind the surface by AUTO_MODULUS, and stiff enough to carry the weight on a
 /// spot: equation (8).
@@ -81,55 +81,72 @@ void lth_contact_destroy(LitheCtx *ctx, LthContact **contact) {
   LthContact *c = *contact;
   for (LitheIndex i = 0; c->owns_bvh && i < c->def.n_colliders; i++)
     if (c->owns_bvh[i]) lth_bvh_destroy(ctx, &c->colliders[i].shape.bvh);
-  void *blocks[] = {c->colliders,  c->owns_bvh,     c->block_off,    c->position,
-                    c->gap,        c->sample_value, c->sample_force, c->touch,
-                    c->before,     c->touched,      c->sample_slot,  c->slot_off,
-                    c->slot_touch, c->slot_weight,  c->touch_force};
+  void *blocks[] = {c->colliders, c->owns_bvh,     c->block_off,    c->position,
+                    c->gap,       c->sample_value, c->sample_force, c->touch,
+                    c->before,    c->active,       c->touched,      c->sample_slot,
+                    c->slot_off,  c->slot_active,  c->slot_weight,  c->force_of};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
   lth_free(ctx, c);
   *contact = NULL;
 }
 
-static LitheStatus list_touched(LitheCtx *ctx, LthContact *c) {
+LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *c) {
+  const LthEmbedding *e = c->def.points;
+  LitheCount total = 0;
+  for (LitheIndex i = 0; i < c->n_touch; i++)
+    total += e->off[c->touch[i].point + 1] - e->off[c->touch[i].point];
+  LitheCount samples = total < e->n_samples ? total : e->n_samples;
+  LTH_RESERVE(ctx, c->active, c->active_cap, c->n_touch);
+  LTH_RESERVE(ctx, c->force_of, c->force_of_cap, 3 * (LitheCount)c->n_touch);
+  LTH_RESERVE(ctx, c->touched, c->touched_cap, samples);
+  LTH_RESERVE(ctx, c->slot_off, c->slot_off_cap, samples + 2);
+  LTH_RESERVE(ctx, c->slot_active, c->slot_active_cap, total);
+  LTH_RESERVE(ctx, c->slot_weight, c->slot_weight_cap, total);
+  return LITHE_OK;
+}
+
+/// List active points and the samples that any of them hangs on.
+static void list_active(LthContact *c) {
   const LthEmbedding *e = c->def.points;
   for (LitheIndex i = 0; i < c->n_touched; i++) c->sample_slot[c->touched[i]] = -1;
   c->n_touched = 0;
+  c->n_active = 0;
   for (LitheIndex i = 0; i < c->n_touch; i++) {
+    if (!c->touch[i].active) continue;
+    c->active[c->n_active++] = i;
     LitheIndex p = c->touch[i].point;
     for (LitheCount k = e->off[p]; k < e->off[p + 1]; k++) {
       LitheIndex s = e->sample[k];
       if (c->sample_slot[s] >= 0) continue;
-      LTH_RESERVE(ctx, c->touched, c->touched_cap, (LitheCount)c->n_touched + 1);
       c->sample_slot[s] = c->n_touched;
       c->touched[c->n_touched++] = s;
     }
   }
-  return LITHE_OK;
 }
 
-LitheStatus lth_contact_index(LitheCtx *ctx, LthContact *c) {
+void lth_contact_index(LthContact *c) {
   const LthEmbedding *e = c->def.points;
-  LITHE_TRY(list_touched(ctx, c));
-  LTH_RESERVE(ctx, c->touch_force, c->touch_force_cap, 3 * (LitheCount)c->n_touch);
-  LTH_RESERVE(ctx, c->slot_off, c->slot_off_cap, (LitheCount)c->n_touched + 2);
+  list_active(c);
+  if (c->n_active == 0) return;
   memset(c->slot_off, 0, sizeof *c->slot_off * ((size_t)c->n_touched + 2));
-  for (LitheIndex i = 0; i < c->n_touch; i++)
-    for (LitheCount k = e->off[c->touch[i].point]; k < e->off[c->touch[i].point + 1]; k++)
+  for (LitheIndex i = 0; i < c->n_active; i++) {
+    LitheIndex p = c->touch[c->active[i]].point;
+    for (LitheCount k = e->off[p]; k < e->off[p + 1]; k++)
       c->slot_off[c->sample_slot[e->sample[k]] + 2]++;
+  }
   for (LitheIndex s = 0; s < c->n_touched; s++) c->slot_off[s + 2] += c->slot_off[s + 1];
-  LitheCount total = c->slot_off[c->n_touched + 1];
-  LTH_RESERVE(ctx, c->slot_touch, c->slot_touch_cap, total);
-  LTH_RESERVE(ctx, c->slot_weight, c->slot_weight_cap, total);
-  for (LitheIndex i = 0; i < c->n_touch; i++)
-    for (LitheCount k = e->off[c->touch[i].point]; k < e->off[c->touch[i].point + 1]; k++) {
+  for (LitheIndex i = 0; i < c->n_active; i++) {
+    LitheIndex p = c->touch[c->active[i]].point;
+    for (LitheCount k = e->off[p]; k < e->off[p + 1]; k++) {
       LitheCount at = c->slot_off[c->sample_slot[e->sample[k]] + 1]++;
-      c->slot_touch[at] = i;
+      c->slot_active[at] = i;
       c->slot_weight[at] = e->weight[k];
     }
-  return LITHE_OK;
+  }
 }
 
-void lth_contact_sample(const LthContact *c, const double *v) {
+/// Averages of v at the touched samples into sample_value.
+static void gather(const LthContact *c, const double *v) {
   const LthEmbedding *e = c->def.points;
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_touched))
@@ -142,15 +159,15 @@ void lth_contact_sample(const LthContact *c, const double *v) {
   }
 }
 
-/// y += W^T of touch_force, whose rows are zero for points that are not active.
+/// y += W^T of the forces on active points.
 static void scatter(const LthContact *c, double *y) {
   const LthEmbedding *e = c->def.points;
 #pragma omp parallel for schedule(static)                                                          \
-    num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_touch))
+    num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_active))
   for (LitheIndex i = 0; i < c->n_touched; i++) {
     double sum[3] = {0, 0, 0};
     for (LitheCount k = c->slot_off[i]; k < c->slot_off[i + 1]; k++)
-      lth_v3_axpy(c->slot_weight[k], c->touch_force + 3 * (size_t)c->slot_touch[k], sum);
+      lth_v3_axpy(c->slot_weight[k], c->force_of + 3 * (size_t)c->slot_active[k], sum);
     lth_v3_copy(sum, c->sample_force + 4 * (size_t)c->touched[i]);
   }
   // samples share functions: one thread, in order, so that the sums have the same bits always
@@ -163,28 +180,21 @@ static void scatter(const LthContact *c, double *y) {
 }
 
 void lth_contact_apply(const LthContact *c, const double *v, double *y) {
-  lth_contact_sample(c, v);
+  gather(c, v);
 #pragma omp parallel for schedule(static)                                                          \
-    num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_touch))
-  for (LitheIndex i = 0; i < c->n_touch; i++) {
-    const LthTouch *touch = &c->touch[i];
-    double value[3], *force = c->touch_force + 3 * (size_t)i;
-    force[0] = force[1] = force[2] = 0;
-    if (!touch->active) continue;
+    num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_active))
+  for (LitheIndex i = 0; i < c->n_active; i++) {
+    const LthTouch *touch = &c->touch[c->active[i]];
+    double value[3];
     lth_embedding_from_samples(c->def.points, touch->point, c->sample_value, value);
-    lth_m3_apply(touch->D, value, force);
+    lth_m3_apply(touch->D, value, c->force_of + 3 * (size_t)i);
   }
   scatter(c, y);
 }
 
 void lth_contact_add_rhs(const LthContact *c, double *rhs) {
-  for (LitheIndex i = 0; i < c->n_touch; i++) {
-    double *force = c->touch_force + 3 * (size_t)i;
-    if (c->touch[i].active)
-      lth_v3_copy(c->touch[i].r, force);
-    else
-      force[0] = force[1] = force[2] = 0;
-  }
+  for (LitheIndex i = 0; i < c->n_active; i++)
+    lth_v3_copy(c->touch[c->active[i]].r, c->force_of + 3 * (size_t)i);
   scatter(c, rhs);
 }
 
@@ -212,10 +222,10 @@ void lth_contact_add_diagonal(const LthContact *c, const LthDgSpace *space, doub
   for (LitheIndex i = 0; i < c->n_touched; i++) {
     double D[9] = {0};
     for (LitheCount k = c->slot_off[i]; k < c->slot_off[i + 1]; k++) {
-      const LthTouch *touch = &c->touch[c->slot_touch[k]];
-      for (int a = 0; a < 9 && touch->active; a++) D[a] += fabs(c->slot_weight[k]) * touch->D[a];
+      const LthTouch *touch = &c->touch[c->active[c->slot_active[k]]];
+      for (int a = 0; a < 9; a++) D[a] += fabs(c->slot_weight[k]) * touch->D[a];
     }
-    if (D[0] + D[4] + D[8] > 0) add_block(c, space, c->touched[i], D, extra);
+    add_block(c, space, c->touched[i], D, extra);
   }
 }
 

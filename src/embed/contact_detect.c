@@ -23,11 +23,12 @@ static void adapt_stiffness(LthContact *c) {
 static void move_anchors(LthContact *c, double t) {
   for (LitheIndex i = 0; i < c->n_touch; i++) {
     LthTouch *touch = &c->touch[i];
-    if (!touch->active || touch->friction == LTH_FRICTION_STICK || !(c->def.friction > 0)) continue;
+    double pull = touch->stiffness * lth_v3_norm(touch->trial);
+    if (!touch->active || !(pull > touch->limit)) continue;
     LthPlacement now = lth_collider_placement(&c->colliders[touch->collider], t);
     double x[3];
     lth_v3_copy(c->position + 3 * (size_t)touch->point, x);
-    if (touch->stiffness > 0) lth_v3_axpy(-touch->limit / touch->stiffness, touch->slide, x);
+    lth_v3_axpy(-touch->limit / pull, touch->trial, x);
     lth_placement_to_rest(&now, x, touch->anchor);
   }
 }
@@ -98,8 +99,9 @@ static void fill_touch(const LthContact *c, LthTouch *touch, const LthPlacement 
   lth_placement_to_rest(now, x, touch->anchor);
 }
 
-/// Take over what a point of the last step knows; `*at` walks along the old list, which has the same order.
-static void remember(const LthContact *c, LthTouch *touch, LitheIndex *at) {
+/// Take over what a point of the last step knows, and let v go on changing as it did; `*at` walks along the
+/// old list, which has the same order.
+static void remember(const LthContact *c, LthTouch *touch, LitheIndex *at, double v[3]) {
   while (*at < c->n_before &&
          (c->before[*at].collider < touch->collider ||
           (c->before[*at].collider == touch->collider && c->before[*at].point < touch->point)))
@@ -107,18 +109,19 @@ static void remember(const LthContact *c, LthTouch *touch, LitheIndex *at) {
   if (*at == c->n_before) return;
   const LthTouch *old = &c->before[*at];
   if (old->collider != touch->collider || old->point != touch->point || !old->active) return;
-  touch->friction = old->friction;
   touch->limit = old->limit;
+  for (int i = 0; i < 3; i++) v[i] = 2 * v[i] - old->start[i];
   lth_v3_copy(old->anchor, touch->anchor);
-  lth_v3_copy(old->slide, touch->slide);
-  touch->speed = old->speed;
 }
 
-static void set_offset(LthTouch *touch, const LthPlacement *next, const double x[3]) {
+/// Stretch of friction's spring at the start, and what it would be if the point went on as it does.
+static void set_offset(const LthContact *c, LthTouch *touch, const LthPlacement *next,
+                       const double v[3]) {
   double anchor[3];
   lth_placement_to_world(next, touch->anchor, anchor);
-  lth_v3_sub(x, anchor, touch->offset);
+  lth_v3_sub(c->position + 3 * (size_t)touch->point, anchor, touch->offset);
   lth_v3_axpy(-lth_v3_dot(touch->offset, touch->normal), touch->normal, touch->offset);
+  lth_touch_stretch(c, touch, v);
 }
 
 /// Collect the points near one collider.
@@ -133,9 +136,10 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, LitheIndex collider,
     LTH_RESERVE(ctx, c->touch, c->touch_cap, (LitheCount)c->n_touch + 1);
     LthTouch *touch = &c->touch[c->n_touch++];
     *touch = (LthTouch){.point = p, .collider = collider};
+    lth_v3_copy(v, touch->start);
     fill_touch(c, touch, now, next, v);
-    remember(c, touch, at);
-    set_offset(touch, next, c->position + 3 * (size_t)p);
+    remember(c, touch, at, v);
+    set_offset(c, touch, next, v);
     lth_touch_linearize(c, touch);
   }
   return LITHE_OK;
@@ -177,15 +181,14 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   adapt_stiffness(c);
   move_anchors(c, t);
   swap_lists(c);
-  c->t = t, c->dt = dt, c->round = 0;
+  c->t = t, c->dt = dt, c->round = 0, c->friction_round = 0;
   lth_embedding_sample(e, threads, v, c->sample_value);
   LITHE_TRY(find_near(ctx, c));
-  LITHE_TRY(lth_contact_index(ctx, c));
-  c->n_active = 0, c->penetration = 0, c->force = 0;
-  for (LitheIndex i = 0; i < c->n_touch; i++) {
-    c->n_active += c->touch[i].active;
+  LITHE_TRY(lth_contact_reserve(ctx, c));
+  lth_contact_index(c);
+  c->penetration = 0, c->force = 0;
+  for (LitheIndex i = 0; i < c->n_touch; i++)
     c->penetration = fmax(c->penetration, -c->touch[i].gap);
-  }
   *n_active = c->n_active;
   return LITHE_OK;
 }

@@ -4,22 +4,19 @@
 #include "embed/collider.h"
 #include "embed/contact.h"
 
-typedef enum LthFriction { LTH_FRICTION_STICK, LTH_FRICTION_SLIDE, LTH_FRICTION_DRAG } LthFriction;
-
 /// A point near a collider. Equations: docs/theory/contact.md.
 typedef struct LthTouch {
   LitheIndex point, collider;
   bool active;
-  LthFriction friction;
-  int switches; ///< of friction's state in this step
-  double gap;   ///< of the start place to the collider at the end of the step [m]
+  double gap; ///< of the start place to the collider at the end of the step [m]
   double normal[3];
   double stiffness;   ///< k times the point's area [N/m]
   double velocity[3]; ///< of the collider's material there [m/s]
   double anchor[3];   ///< where friction's spring is fixed, in the collider's rest frame [m]
   double offset[3];   ///< tangential stretch of that spring if the point stayed where it is [m]
-  double slide[3];    ///< direction of sliding
-  double speed;       ///< of sliding in the last solve [m/s]
+  double start[3];    ///< velocity of the point at the start [m/s]
+  double trial[3];    ///< stretch by the last solve, or as predicted [m]
+  double spring;      ///< secant stiffness of friction [N/m], at most `stiffness`
   double limit;       ///< mu times the normal force of the last solve [N]
   double gap_end;     ///< at the end of the step by the last solve [m]
   double force_n;     ///< normal force of the last solve [N]
@@ -37,7 +34,7 @@ struct LthContact {
   double stiffness;   ///< per area or per point
   double weight_norm; ///< largest sum of |weights| of a point
   double t, dt;
-  int round;
+  int round, friction_round;
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start
   LitheIndex n_active;
@@ -50,28 +47,34 @@ struct LthContact {
   LitheCount touch_cap, before_cap;
   LitheIndex n_touch, n_before;
 
-  LitheIndex *touched; ///< samples that any touching point hangs on (n_touched)
+  // the system's part: active points and the samples they hang on
+  LitheIndex *active; ///< places in touch, ascending               (n_active)
+  LitheCount active_cap;
+  LitheIndex *touched; ///< samples that active points hang on       (n_touched)
   LitheCount touched_cap;
   LitheIndex n_touched;
   LitheIndex *sample_slot; ///< place in touched, -1                     (n_samples)
-  LitheCount *slot_off;    ///< points of each touched sample            (n_touched + 1)
+  LitheCount *slot_off;    ///< active points of each touched sample     (n_touched + 1)
   LitheCount slot_off_cap;
-  LitheIndex *slot_touch;
-  LitheCount slot_touch_cap;
+  LitheIndex *slot_active; ///< places in active
+  LitheCount slot_active_cap;
   double *slot_weight;
   LitheCount slot_weight_cap;
-  double *touch_force; ///< (n_touch x 3)
-  LitheCount touch_force_cap;
+  double *force_of; ///< on each active point                     (n_active x 3)
+  LitheCount force_of_cap;
 };
 
 /// Set D and r of a touching point from its state.
 void lth_touch_linearize(const LthContact *contact, LthTouch *touch);
 
-/// List the samples of all touching points and who hangs on each.
-LitheStatus lth_contact_index(LitheCtx *ctx, LthContact *contact);
+/// Set trial and spring of a touching point for velocity v, by its limit: equation (6).
+void lth_touch_stretch(const LthContact *contact, LthTouch *touch, const double v[3]);
 
-/// Averages of v at the touched samples into sample_value.
-void lth_contact_sample(const LthContact *contact, const double *v);
+/// Make room for the index of as many active points as there are touching ones.
+LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *contact);
+
+/// List the active points, their samples, and who hangs on each sample. Allocates nothing.
+void lth_contact_index(LthContact *contact);
 
 /// True where loops over n things are worth several threads.
-static inline bool lth_contact_is_large(LitheIndex n) { return n > 400; }
+static inline bool lth_contact_is_large(LitheIndex n) { return n > 2000; }
