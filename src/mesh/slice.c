@@ -6,9 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/// A plane this close to a point of the surface, in units of rounding, is moved onto it, so that faces
-/// meant to lie in grid planes do.
-#define SNAP_ULPS 8
+/// A point this close to a plane, in units of the rounding of the largest coordinate, is on it.
+#define REACH_ULPS 32
 
 static LitheStatus check_request(LitheCtx *ctx, const LthSurface *surface, const LthGrid *grid,
                                  double sliver) {
@@ -38,33 +37,12 @@ static LitheStatus make_planes(Slicer *s, const LthGrid *grid, int axis) {
   LitheIndex n = grid->cells[axis];
   LTH_NEW(s->ctx, s->plane[axis], (LitheCount)n + 1);
   for (LitheIndex k = 0; k <= n; k++) s->plane[axis][k] = lth_grid_plane(grid, axis, k);
-  double size = fmax(fabs(grid->min[axis]), fabs(grid->max[axis]));
-  if (!((grid->max[axis] - grid->min[axis]) / n > 64 * SNAP_ULPS * DBL_EPSILON * size))
+  if (!((grid->max[axis] - grid->min[axis]) / n > 4 * s->reach))
     LITHE_FAIL(
         s->ctx, LITHE_BAD_INPUT,
         "slicing: %d cells from %g to %g along %c are finer than rounding; use fewer cells or "
         "move the body to the origin",
         n, grid->min[axis], grid->max[axis], "xyz"[axis]);
-  return LITHE_OK;
-}
-
-/// Move each plane onto the lowest point of the surface within rounding of it.
-static LitheStatus snap_planes(Slicer *s, const LthGrid *grid, int axis) {
-  LitheIndex n = s->cells[axis];
-  double *snapped = NULL, *plane = s->plane[axis];
-  double span = grid->max[axis] - grid->min[axis];
-  double reach = SNAP_ULPS * DBL_EPSILON * fmax(fabs(grid->min[axis]), fabs(grid->max[axis]));
-  LTH_NEW(s->ctx, snapped, (LitheCount)n + 1);
-  for (LitheIndex k = 0; k <= n; k++) snapped[k] = INFINITY;
-  for (LitheCount i = 0; i < s->surface->n_points; i++) {
-    double x = s->surface->points[3 * i + axis], at = (x - grid->min[axis]) / span * n;
-    if (!(at > -0.5 && at < n + 0.5)) continue;
-    LitheIndex k = (LitheIndex)lround(at);
-    if (fabs(x - plane[k]) <= reach && x < snapped[k]) snapped[k] = x;
-  }
-  for (LitheIndex k = 0; k <= n; k++)
-    if (isfinite(snapped[k])) plane[k] = snapped[k];
-  lth_free(s->ctx, snapped);
   return LITHE_OK;
 }
 
@@ -87,12 +65,14 @@ static LitheStatus add_triangles(Slicer *s) {
 static LitheStatus start(Slicer *s, const LthGrid *grid) {
   for (LitheCount i = 0; i < 3 * (LitheCount)s->surface->n_points; i++)
     s->rounding = fmax(s->rounding, DBL_EPSILON * fabs(s->surface->points[i]));
+  for (int a = 0; a < 3; a++)
+    s->rounding = fmax(s->rounding, DBL_EPSILON * fmax(fabs(grid->min[a]), fabs(grid->max[a])));
+  s->reach = REACH_ULPS * s->rounding;
   s->cell_volume = 1;
   for (int a = 0; a < 3; a++) {
     s->cells[a] = grid->cells[a];
     s->cell_volume *= (grid->max[a] - grid->min[a]) / grid->cells[a];
     LITHE_TRY(make_planes(s, grid, a));
-    LITHE_TRY(snap_planes(s, grid, a));
   }
   return add_triangles(s);
 }

@@ -75,6 +75,7 @@ typedef struct Slicer {
   double *plane[3];   ///< positions of all planes   (cells + 1)
   double cell_volume; ///< of a full cell [m^3]
   double rounding;    ///< of the largest coordinate [m]
+  double reach;       ///< a point this close to a plane is on it [m]
   double *point;      ///< (n_points x 3)
   LitheCount n_points, point_cap;
   SlicePieces pieces;

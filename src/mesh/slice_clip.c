@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// A sub-edge and the slab it lies in.
 typedef struct SubEdge {
@@ -20,7 +21,7 @@ typedef struct Pass {
   Slicer *s;
   int axis;
   LitheIndex *slab; ///< of the points before the pass
-  bool *on_plane;   ///< of those points: exactly on the plane below their slab
+  bool *on_plane;   ///< of those points: on the plane below their slab
   LthHash dips;     ///< edges in planes that go through the low side
   LthHash cut;      ///< undirected edge -> its first new point; the others follow, plane by plane
   SlicePieces out;
@@ -33,24 +34,24 @@ typedef struct Pass {
 
 /// Number of inner planes at or below x: a point on a plane is on its high side.
 static LitheIndex slab_of(const double *plane, LitheIndex cells, double x) {
-  LitheIndex lo = 0, hi = cells - 1;
-  double span = plane[cells] - plane[0];
-  double guess = (x - plane[0]) / span * cells;
-  LitheIndex k = guess > 0 ? (guess < hi ? (LitheIndex)guess : hi) : lo;
-  while (k > lo && plane[k] > x) k--;
+  LitheIndex hi = cells - 1;
+  double guess = (x - plane[0]) / (plane[cells] - plane[0]) * cells;
+  LitheIndex k = guess > 0 ? (guess < hi ? (LitheIndex)guess : hi) : 0;
+  while (k > 0 && plane[k] > x) k--;
   while (k < hi && plane[k + 1] <= x) k++;
   return k;
 }
 
+/// The one decision about a point and the planes of an axis, by its coordinate alone.
 static LitheStatus classify_points(Pass *p) {
   Slicer *s = p->s;
   LTH_NEW(s->ctx, p->slab, s->n_points);
   LTH_NEW(s->ctx, p->on_plane, s->n_points);
   for (LitheCount i = 0; i < s->n_points; i++) {
     double x = s->point[3 * i + p->axis];
-    LitheIndex k = slab_of(s->plane[p->axis], s->cells[p->axis], x);
+    LitheIndex k = slab_of(s->plane[p->axis], s->cells[p->axis], x + s->reach);
     p->slab[i] = k;
-    p->on_plane[i] = k > 0 && x == s->plane[p->axis][k];
+    p->on_plane[i] = k > 0 && x <= s->plane[p->axis][k] + s->reach;
   }
   return LITHE_OK;
 }
@@ -136,7 +137,8 @@ static LitheStatus edge_points(Pass *p, LitheIndex a, LitheIndex b, LitheIndex n
 }
 
 /// First of the points in which the edge {a, b} meets planes low + 1 .. high. They depend on the
-/// coordinates of the ends only, so coincident edges are cut in coincident points.
+/// coordinates of the ends only, so coincident edges are cut in coincident points. An end on a plane is
+/// its own cut, unmoved.
 static LitheStatus cut_edge(Pass *p, LitheIndex a, LitheIndex b, LitheIndex low, LitheIndex high,
                             LitheIndex *first) {
   bool is_new = false;
@@ -145,9 +147,12 @@ static LitheStatus cut_edge(Pass *p, LitheIndex a, LitheIndex b, LitheIndex low,
   double *point = p->s->point;
   const double *x = point + 3 * (LitheCount)a, *y = point + 3 * (LitheCount)b;
   bool swap = is_before(y, x);
-  for (LitheIndex k = low + 1; k <= high; k++)
-    intersect(swap ? y : x, swap ? x : y, p->axis, p->s->plane[p->axis][k],
-              point + 3 * (LitheCount)(*first + (k - low - 1)));
+  for (LitheIndex k = low + 1; k <= high; k++) {
+    double *cut = point + 3 * (LitheCount)(*first + (k - low - 1));
+    intersect(swap ? y : x, swap ? x : y, p->axis, p->s->plane[p->axis][k], cut);
+    if (p->on_plane[a] && p->slab[a] == k) memcpy(cut, x, 3 * sizeof *cut);
+    if (p->on_plane[b] && p->slab[b] == k) memcpy(cut, y, 3 * sizeof *cut);
+  }
   return LITHE_OK;
 }
 

@@ -208,12 +208,12 @@ static uint8_t rank_of(const Slicer *s, const double x[3]) {
     LitheIndex lo = 0, hi = s->cells[a];
     while (lo < hi) {
       LitheIndex mid = (lo + hi) / 2;
-      if (s->plane[a][mid] < x[a])
+      if (s->plane[a][mid] + s->reach < x[a])
         lo = mid + 1;
       else
         hi = mid;
     }
-    rank += s->plane[a][lo] == x[a];
+    rank += fabs(s->plane[a][lo] - x[a]) <= s->reach;
   }
   return rank;
 }

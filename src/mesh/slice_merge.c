@@ -7,7 +7,7 @@
 /// one direction is rounding.
 #define NO_VOLUME 1e-12
 /// So it is where its volume is below this many units of rounding times its area.
-#define NO_THICKNESS 16
+#define NO_THICKNESS 64
 /// A common face below this share of an element's area is a line or a point.
 #define NO_CONTACT 1e-13
 /// What may be lost where an element without volume has no neighbour, as a share of a full cell.
