@@ -85,9 +85,6 @@ static LitheStatus make_manifold(LthCleaner *c) {
   LTH_NEW(c->ctx, c->tri_is_mixed, c->n_tris);
   LTH_NEW(c->ctx, c->tri_shell, c->n_tris);
   LITHE_TRY(lth_clean_reduce(c));
-  if (c->n_tris == 0)
-    LITHE_FAIL(c->ctx, LITHE_BAD_INPUT,
-               "%s: no triangle with an area is left, expected a closed solid", c->name);
   LITHE_TRY(lth_clean_find_bad_edges(c));
   LITHE_TRY(lth_clean_orient(c));
   if (c->defects->n > 0) return LITHE_OK;

@@ -70,7 +70,7 @@ LitheStatus lth_clean_triangulate(LthCleaner *c);
 /// Find the edges of the present triangles.
 LitheStatus lth_clean_edges(LthCleaner *c);
 /// Drop pairs of equal triangles with opposite orientation and stray triangles without area, where that
-/// leaves no edge open; then find the edges.
+/// leaves no edge open; then find the edges. LITHE_BAD_INPUT where nothing is left.
 LitheStatus lth_clean_reduce(LthCleaner *c);
 /// Replace triangles without area (closed manifold only): each lies on its longest side, so turning
 /// that side in the two triangles around it leaves the same surface. *n_turned counts.

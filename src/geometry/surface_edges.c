@@ -176,6 +176,10 @@ LitheStatus lth_clean_reduce(LthCleaner *c) {
   drop_strays(c, edge_count, is_dropped);
   compact(c, is_dropped);
   if (c->n_tris < before) LITHE_TRY_OR(done, lth_clean_edges(c));
+  if (c->n_tris == 0)
+    status =
+        lth_fail(c->ctx, LITHE_BAD_INPUT,
+                 "%s: no triangle that bounds a volume is left, expected a closed solid", c->name);
 done:
   lth_free(c->ctx, edge_count);
   lth_free(c->ctx, is_dropped);

@@ -5,8 +5,8 @@
 
 #define WELD_TOLERANCE 1e-9 // of the diagonal of the box
 #define SNAP_TO_ZERO 1e-30 // of the diagonal: smaller coordinates would underflow in exact products
-#define SIZE_MIN 1e-30     // [m]
-#define SIZE_MAX_ 1e30     // [m]
+#define BODY_MIN 1e-30     // [m]
+#define BODY_MAX 1e30      // [m]
 
 /// Points by grid cell: a hash table of lists.
 typedef struct Grid {
@@ -37,11 +37,11 @@ static LitheStatus measure(LthCleaner *c) {
     }
   for (int i = 0; i < 3; i++) size = hypot(size, c->max[i] - c->min[i]);
   c->size = size;
-  if (!(size >= SIZE_MIN && size <= SIZE_MAX_ && largest <= 1e15 * SIZE_MAX_))
+  if (!(size >= BODY_MIN && size <= BODY_MAX && largest <= 1e15 * BODY_MAX))
     LITHE_FAIL(c->ctx, LITHE_BAD_INPUT,
                "%s: the surface's box has a diagonal of %g, expected a body between %g and %g; is "
                "the file's unit right?",
-               c->name, size, SIZE_MIN, SIZE_MAX_);
+               c->name, size, BODY_MIN, BODY_MAX);
   return LITHE_OK;
 }
 

@@ -13,7 +13,9 @@
 #define NUMBER_MAX 500
 
 LthText lth_text(LitheCtx *ctx, const char *name, const char *data, size_t size) {
-  return (LthText){.ctx = ctx, .name = name, .at = data, .end = data + size, .line = 1};
+  // editors on Windows put a byte order mark in front of UTF-8
+  size_t mark = size >= 3 && memcmp(data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
+  return (LthText){.ctx = ctx, .name = name, .at = data + mark, .end = data + size, .line = 1};
 }
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }

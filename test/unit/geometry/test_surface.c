@@ -1,4 +1,5 @@
 /// Cleaning surfaces: what is repaired, what is a defect, and that nothing leaks when memory is out.
+#include "geometry/bvh.h"
 #include "geometry/surface.h"
 #include "soup_maker.h"
 
@@ -563,7 +564,142 @@ static void the_message_counts_places_and_advises(void **state) {
   finish(ctx, s);
 }
 
+// ------------------------------------------------------------------ random solids
+
+typedef struct Box {
+  double low[3], high[3];
+} Box;
+
+static Box random_box(uint64_t *seed, double size, bool on_lattice) {
+  Box box;
+  for (int i = 0; i < 3; i++) {
+    double a = test_random(seed), b = 0.05 + test_random(seed) * size;
+    if (on_lattice) a = floor(4 * a) / 4, b = 0.25 + floor(4 * b) / 4;
+    box.low[i] = a;
+    box.high[i] = a + b;
+  }
+  return box;
+}
+
+static bool is_apart(const Box *a, const Box *b) {
+  for (int i = 0; i < 3; i++)
+    if (a->high[i] < b->low[i] || b->high[i] < a->low[i]) return true;
+  return false;
+}
+
+static bool is_within(const Box *a, const Box *b) {
+  for (int i = 0; i < 3; i++)
+    if (!(b->low[i] < a->low[i] && a->high[i] < b->high[i])) return false;
+  return true;
+}
+
+/// Turn the whole soup by a rotation that rounds every coordinate.
+static void rotate(SoupMaker *m, double angle) {
+  double c = cos(angle), s = sin(angle);
+  for (LitheIndex p = 0; p < m->soup.n_points; p++)
+    for (int axis = 0; axis < 3; axis++) {
+      double *x = m->points + 3 * p, *u = &x[axis], *v = &x[(axis + 1) % 3], keep = *u;
+      *u = c * *u - s * *v;
+      *v = s * keep + c * *v;
+    }
+}
+
+static void two_boxes_are_accepted_just_where_they_are_apart_or_nested(void **state) {
+  (void)state;
+  uint64_t seed = 17;
+  int n_apart = 0, n_nested = 0, n_crossing = 0;
+  for (int n = 0; n < 600; n++) {
+    Box a = random_box(&seed, n % 3 ? 1 : 0.3, false),
+        b = random_box(&seed, n % 3 ? 0.3 : 1, false);
+    bool apart = is_apart(&a, &b), nested = is_within(&b, &a) || is_within(&a, &b);
+    SoupMaker *m = fresh();
+    LitheCtx *ctx = test_ctx();
+    LthSurface *s = NULL;
+    LthDefects defects;
+    soup_box(m, a.low, a.high, false);
+    soup_box(m, b.low, b.high, nested); // the other way round: one of them is a cavity
+    rotate(m, n % 2 ? 0.7 + n : 0);
+    LitheStatus status = lth_surface_from_soup(ctx, soup_finish(m), "file", &defects, &s);
+    if ((status == LITHE_OK) != (apart || nested))
+      fail_msg("case %d: %s", n, lithe_ctx_message(ctx));
+    if (status == LITHE_OK)
+      check_closed(s);
+    else
+      assert_true(defects.count[LTH_DEFECT_CROSSING] > 0);
+    n_apart += apart, n_nested += nested, n_crossing += !apart && !nested;
+    lth_defects_free(ctx, &defects);
+    finish(ctx, s);
+  }
+  assert_true(n_apart > 50 && n_nested >= 10 && n_crossing > 50);
+}
+
+/// Winding number of the surface about x by solid angles.
+static double winding(const LthSurface *s, const double x[3]) {
+  double sum = 0;
+  for (LitheIndex t = 0; t < s->n_tris; t++) {
+    const LitheIndex *p = s->tris + 3 * t;
+    sum += lth_solid_angle(s->points + 3 * p[0], s->points + 3 * p[1], s->points + 3 * p[2], x);
+  }
+  return sum / (4 * M_PI);
+}
+
+static void what_is_accepted_winds_once_or_not_at_all(void **state) {
+  (void)state;
+  uint64_t seed = 23;
+  int n_accepted = 0;
+  for (int n = 0; n < 1500; n++) {
+    SoupMaker *m = fresh();
+    LitheCtx *ctx = test_ctx();
+    LthSurface *s = NULL;
+    // boxes on a coarse lattice share faces, edges and corners all the time
+    int n_boxes = 2 + n % 3;
+    for (int i = 0; i < n_boxes; i++) {
+      Box box = random_box(&seed, 1, true);
+      soup_box(m, box.low, box.high, test_random(&seed) < 0.3);
+    }
+    rotate(m, n % 2 ? n : 0);
+    if (lth_surface_from_soup(ctx, soup_finish(m), "file", NULL, &s) == LITHE_OK) {
+      n_accepted++;
+      check_closed(s);
+      for (int i = 0; i < 20; i++) {
+        double x[3];
+        for (int k = 0; k < 3; k++) x[k] = 2 * test_random(&seed);
+        double w = winding(s, x), off = fmin(fabs(w), fabs(w - 1));
+        if (off > 1e-6) fail_msg("case %d winds %g times", n, w);
+      }
+    }
+    finish(ctx, s);
+  }
+  assert_true(n_accepted > 30);
+}
+
 // ------------------------------------------------------------------ memory and threads
+
+static void threads_do_not_change_what_is_found(void **state) {
+  (void)state;
+  LthDefects found[3];
+  static const int threads[] = {1, 2, 7};
+  LitheCtx *ctx = test_ctx();
+  SoupMaker *m = fresh();
+  uint64_t seed = 31;
+  for (int i = 0; i < 60; i++) {
+    Box box = random_box(&seed, 0.4, false);
+    soup_box(m, box.low, box.high, false);
+  }
+  for (int i = 0; i < 3; i++) {
+    LthSurface *s = NULL;
+    lth_set_threads(ctx, threads[i]);
+    assert_int_equal(lth_surface_from_soup(ctx, soup_finish(m), "file", &found[i], &s),
+                     LITHE_BAD_INPUT);
+    assert_int_equal(found[i].n, found[0].n);
+    assert_memory_equal(found[i].kind, found[0].kind, sizeof(LthDefectKind) * (size_t)found[0].n);
+    assert_memory_equal(found[i].segment, found[0].segment,
+                        6 * sizeof(double) * (size_t)found[0].n);
+  }
+  assert_true(found[0].n > 100);
+  for (int i = 0; i < 3; i++) lth_defects_free(ctx, &found[i]);
+  finish(ctx, NULL);
+}
 
 typedef struct Quota {
   int left;
@@ -643,6 +779,9 @@ int main(void) {
       cmocka_unit_test(a_solid_inside_a_solid_is_a_question),
       cmocka_unit_test(a_surface_without_volume_is_refused),
       cmocka_unit_test(the_message_counts_places_and_advises),
+      cmocka_unit_test(two_boxes_are_accepted_just_where_they_are_apart_or_nested),
+      cmocka_unit_test(what_is_accepted_winds_once_or_not_at_all),
+      cmocka_unit_test(threads_do_not_change_what_is_found),
       cmocka_unit_test(running_out_of_memory_leaks_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -40,11 +40,12 @@ static void finish(LitheCtx *ctx, LthSoup *soup) {
 static void obj_reads_polygons_of_every_corner_form(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
-  LthSoup *s = parse(ctx, "obj",
-                     "# a comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 1 1e0 0 0.5 0.5 0.5\n"
-                     "v 0\t+1. .0\r\nvn 0 0 1\nvt 0.25 0.5 0\nvt 1\n\n"
-                     "f 1 2 3 4\nf -4//1 -3//1 -2//1\nf 1/1 2/2 3/-1\n"
-                     "  f 1/1/1 2/2/1 \\\n 3/2/1 4/1/1 # quad\nl 1 2\nf 1 2 3");
+  LthSoup *s =
+      parse(ctx, "obj",
+            "\xef\xbb\xbf# a comment\nmtllib x.mtl\nv 0 0 0\nv 1 0 0 1.0\nv 1 1e0 0 0.5 0.5 0.5\n"
+            "v 0\t+1. .0\r\nvn 0 0 1\nvt 0.25 0.5 0\nvt 1\n\n"
+            "f 1 2 3 4\nf -4//1 -3//1 -2//1\nf 1/1 2/2 3/-1\n"
+            "  f 1/1/1 2/2/1 \\\n 3/2/1 4/1/1 # quad\nl 1 2\nf 1 2 3");
   assert_int_equal(s->n_points, 4);
   assert_int_equal(s->n_polys, 5);
   assert_int_equal(s->n_uvs, 2);
