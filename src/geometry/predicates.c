@@ -30,16 +30,18 @@ static void expansion_add(Expansion *x, double b) {
   x->n = n;
 }
 
+/// x += a * b
+static void expansion_add_two_product(Expansion *x, double a, double b) {
+  double product = a * b;
+  expansion_add(x, fma(a, b, -product));
+  expansion_add(x, product);
+}
+
 /// x += sign * a * b
 static void expansion_add_product(Expansion *x, double sign, const Expansion *a,
                                   const Expansion *b) {
   for (int i = 0; i < a->n; i++)
-    for (int j = 0; j < b->n; j++) {
-      double product = a->term[i] * b->term[j];
-      double error = fma(a->term[i], b->term[j], -product);
-      expansion_add(x, sign * error);
-      expansion_add(x, sign * product);
-    }
+    for (int j = 0; j < b->n; j++) expansion_add_two_product(x, sign * a->term[i], b->term[j]);
 }
 
 static void expansion_difference(Expansion *x, double a, double b) {
@@ -56,7 +58,8 @@ static int expansion_sign(const Expansion *x) {
 static int sign_of(double x) { return (x > 0) - (x < 0); }
 
 static int orient2d_exact(const double a[2], const double b[2], const double c[2]) {
-  Expansion acx, acy, bcx, bcy, det = {0};
+  Expansion acx, acy, bcx, bcy, det;
+  det.n = 0;
   expansion_difference(&acx, a[0], c[0]);
   expansion_difference(&acy, a[1], c[1]);
   expansion_difference(&bcx, b[0], c[0]);
@@ -78,17 +81,56 @@ int lth_orient2d(const double a[2], const double b[2], const double c[2]) {
 static int orient3d_exact(const double a[3], const double b[3], const double c[3],
                           const double d[3]) {
   const double *row[3] = {b, c, d};
-  Expansion m[3][3], det = {0};
+  Expansion m[3][3], minor, det;
+  det.n = 0;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) expansion_difference(&m[i][j], row[i][j], a[j]);
   for (int k = 0; k < 3; k++) {
     int i = (k + 1) % 3, j = (k + 2) % 3;
-    Expansion minor = {0};
+    minor.n = 0;
     expansion_add_product(&minor, 1, &m[i][0], &m[j][1]);
     expansion_add_product(&minor, -1, &m[i][1], &m[j][0]);
     expansion_add_product(&det, 1, &minor, &m[k][2]);
   }
   return expansion_sign(&det);
+}
+
+/// The part of b - a that its rounded value d misses, exactly.
+static double difference_tail(double b, double a, double d) {
+  double a_part = b - d, b_part = d + a_part;
+  return (b - b_part) + (a_part - a);
+}
+
+/// Determinant of the rounded differences `m` exactly, plus what their tails add to first order.
+/// `size` is the sum of the six products' magnitudes. False where that does not settle the sign.
+static bool orient3d_corrected(const double m[3][3], double tail[3][3], double size, int *sign) {
+  Expansion det, minor;
+  bool is_exact = true;
+  double correction = 0;
+  det.n = 0;
+  for (int k = 0; k < 3; k++) {
+    int i = (k + 1) % 3, j = (k + 2) % 3;
+    minor.n = 0;
+    expansion_add_two_product(&minor, m[i][0], m[j][1]);
+    expansion_add_two_product(&minor, -m[i][1], m[j][0]);
+    for (int t = 0; t < minor.n; t++) expansion_add_two_product(&det, minor.term[t], m[k][2]);
+    // cofactors of row k times its tails
+    for (int c = 0; c < 3; c++) {
+      int u = (c + 1) % 3, v = (c + 2) % 3;
+      if (tail[k][c] == 0) continue;
+      is_exact = false;
+      correction += tail[k][c] * (m[i][u] * m[j][v] - m[i][v] * m[j][u]);
+    }
+  }
+  *sign = expansion_sign(&det);
+  if (is_exact) return true;
+  double main_part = 0;
+  for (int i = 0; i < det.n; i++) main_part += det.term[i];
+  // second-order tails: 3 u^2 size; roundings in the correction: 9 terms of u size, 7 u each; in the sum: u
+  double sum = main_part + correction;
+  double bound = 100 * UNIT_ROUNDOFF * UNIT_ROUNDOFF * size + 4 * UNIT_ROUNDOFF * fabs(sum);
+  *sign = sign_of(sum);
+  return fabs(sum) > bound;
 }
 
 int lth_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]) {
@@ -103,6 +145,13 @@ int lth_orient3d(const double a[3], const double b[3], const double c[3], const 
   // three differences, two products, a subtraction, two sums: |error| <= 8 u size to first order
   if (fabs(det) > 10 * UNIT_ROUNDOFF * size) return sign_of(det);
   if (size == 0) return 0;
+
+  const double m[3][3] = {{bx, by, bz}, {cx, cy, cz}, {dx, dy, dz}}, *row[3] = {b, c, d};
+  double tail[3][3];
+  int sign = 0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) tail[i][j] = difference_tail(row[i][j], a[j], m[i][j]);
+  if (orient3d_corrected(m, tail, size, &sign)) return sign;
   return orient3d_exact(a, b, c, d);
 }
 

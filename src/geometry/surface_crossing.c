@@ -4,6 +4,7 @@
 #include "geometry/tri_tri.h"
 
 #define STACK_MAX 128
+#define SMALL 1000            ///< triangles for which waking threads would cost more than it gains
 #define CROSSINGS_MAX 1000000 ///< pairs counted at most
 
 typedef struct Search {
@@ -62,7 +63,7 @@ static LitheStatus record(LthCleaner *c, LitheIndex a, LitheIndex b) {
 static LitheStatus search_all(LthCleaner *c, const Search *s, bool *is_crossed) {
   LitheStatus status = LITHE_OK;
   LitheIndex *found = NULL, n_tris = c->n_tris;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(c->ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_threads(c->ctx)) if (n_tris > SMALL)
   for (LitheIndex t = 0; t < n_tris; t++)
     is_crossed[t] = !s->is_flat[t] && !lth_cancelled(c->ctx) && search_tree(s, t, 1, NULL) > 0;
   if (lth_cancelled(c->ctx)) LITHE_FAIL(c->ctx, LITHE_INTERRUPTED, "%s: interrupted", c->name);

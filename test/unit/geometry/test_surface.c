@@ -682,7 +682,7 @@ static void threads_do_not_change_what_is_found(void **state) {
   LitheCtx *ctx = test_ctx();
   SoupMaker *m = fresh();
   uint64_t seed = 31;
-  for (int i = 0; i < 60; i++) {
+  for (int i = 0; i < 100; i++) { // enough triangles for threads to share
     Box box = random_box(&seed, 0.4, false);
     soup_box(m, box.low, box.high, false);
   }
