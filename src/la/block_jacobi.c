@@ -125,12 +125,16 @@ static void apply_block(int n, const double *restrict B, const double *restrict 
   }
 }
 
+void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const double *r,
+                                double *z) {
+  apply_block((int)(M->row_off[row + 1] - M->row_off[row]), M->inv + M->inv_off[row],
+              r + M->row_off[row], z + M->row_off[row]);
+}
+
 static void apply_inverse(const void *self, int threads, const double *r, double *z) {
   const LthBlockJacobi *M = self;
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex row = 0; row < M->n_rows; row++)
-    apply_block((int)(M->row_off[row + 1] - M->row_off[row]), M->inv + M->inv_off[row],
-                r + M->row_off[row], z + M->row_off[row]);
+  for (LitheIndex row = 0; row < M->n_rows; row++) lth_block_jacobi_apply_row(M, row, r, z);
 }
 
 LthOperator lth_block_jacobi_operator(const LthBlockJacobi *M) {

@@ -107,17 +107,18 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
 
 static inline double lane_sum(Lane s) { return (s[0] + s[1]) + (s[2] + s[3]); }
 
-/// y of one block row; three rows of every block at a time share the loads of x. Lanes are summed
-/// once at the end of the row, so short blocks cost no horizontal sums.
+/// y of one block row without block `skip`; three rows of every block at a time share the loads of x.
+/// Lanes are summed once at the end of the row, so short blocks cost no horizontal sums.
 LTH_CLONES
-static void apply_row(const LthBlockMatrix *A, LitheIndex row, const double *restrict x,
-                      double *restrict y) {
+static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
+                      const double *restrict x, double *restrict y) {
   const LitheIndex m = block_size(A, row);
   for (LitheIndex r = 0; r < m; r += 3) {
     const LitheIndex r1 = r + 1 < m ? r + 1 : r, r2 = r + 2 < m ? r + 2 : r;
     Lane s0 = {0}, s1 = {0}, s2 = {0};
     double t0 = 0, t1 = 0, t2 = 0;
     for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      if (e == skip) continue;
       const LitheIndex col = A->block_col[e], n = block_size(A, col);
       const double *restrict B = A->values + A->value_off[e];
       const double *b0 = B + (size_t)r * (size_t)n, *b1 = B + (size_t)r1 * (size_t)n,
@@ -144,7 +145,12 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, const double *res
 
 void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y) {
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex row = 0; row < A->n_rows; row++) apply_row(A, row, x, y);
+  for (LitheIndex row = 0; row < A->n_rows; row++) apply_row(A, row, -1, x, y);
+}
+
+void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
+                                const double *x, double *y) {
+  apply_row(A, row, skip, x, y);
 }
 
 static void apply_operator(const void *self, int threads, const double *x, double *y) {

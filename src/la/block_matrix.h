@@ -29,6 +29,10 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
 /// y = A x on `threads` threads; the same bits for any number of them.
 void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y);
 
+/// The entries of y = A x in one block row alone; block `skip` (-1: none) counts as zero.
+void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
+                                const double *x, double *y);
+
 /// Write the scalar matrix (lower triangle of a symmetric one) as Matrix Market.
 LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, const char *path);
 

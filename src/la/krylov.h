@@ -38,6 +38,11 @@ void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M);
 LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthBlockMatrix *A,
                                     const double *extra);
 LthOperator lth_block_jacobi_operator(const LthBlockJacobi *M);
+
+/// z = (inverse block) r for one block row; r and z are whole vectors.
+void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const double *r,
+                                double *z);
+
 LthOperator lth_block_matrix_operator(const LthBlockMatrix *A);
 
 /// Dot product in fixed blocks.

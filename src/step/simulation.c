@@ -57,6 +57,7 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
 static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(lth_dg_matrix_create(ctx, s->body.op, &s->A));
   LITHE_TRY(lth_block_jacobi_create(ctx, s->A, &s->jacobi));
+  LITHE_TRY(lth_reduction_create(ctx, s->A, s->jacobi, &s->reduction));
   LITHE_TRY(lth_cg_create(ctx, s->n, &s->cg));
   for (LitheIndex cell = 0; cell < s->A->n_rows; cell++) {
     LitheCount m = s->A->row_off[cell + 1] - s->A->row_off[cell];
@@ -103,6 +104,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_anderson_destroy(ctx, &s->anderson);
   lth_cg_destroy(ctx, &s->cg);
+  lth_reduction_destroy(ctx, &s->reduction);
   lth_block_jacobi_destroy(ctx, &s->jacobi);
   if (s->engine) s->engine->destroy(ctx, &s->factor);
   lth_block_matrix_destroy(ctx, &s->A);

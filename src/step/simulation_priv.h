@@ -1,6 +1,7 @@
 /// The open struct of a simulation, shared by the files of this room.
 #pragma once
 
+#include "la/reduction.h"
 #include "step/anderson.h"
 #include "step/simulation.h"
 
@@ -14,6 +15,7 @@ struct LthSimulation {
 
   LthBlockMatrix *A; // K as assembled, then cm M + ck K
   LthBlockJacobi *jacobi;
+  LthReduction *reduction; // red-black form of A, where there is no contact
   LthCg *cg;
   double *extra; // contact's part of the diagonal blocks, NULL without contact
   LitheCount n_extra;

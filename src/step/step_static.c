@@ -195,10 +195,12 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   LITHE_TRY(lth_step_choose(ctx, s, true));
   LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   s->report.converged = before && balanced;
+  lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
   s->t = t;
   add_work(s);
   if (s->body.contact) {
     double force;
+    lth_contact_revise(s->body.contact, s->u, s->v); // forces at rest: v is zero
     lth_contact_report(s->body.contact, &s->report.contacts, &s->report.penetration, &force);
   }
   return LITHE_OK;

@@ -192,6 +192,9 @@ static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
 }
 
 static LthSolveReport solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance) {
+  if (!s->use_cholesky && !s->contact_on)
+    return lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
+                               tolerance, s->options.max_iterations);
   Inverse inverse = {ctx, s};
   LthOperator A = {.n = s->n, .apply = apply_system, .self = s};
   LthOperator M = s->use_cholesky

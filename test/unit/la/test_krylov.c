@@ -3,6 +3,7 @@
 
 #include "la/engine.h"
 #include "la/krylov.h"
+#include "la/reduction.h"
 
 static const int mixed_sizes[] = {12, 30, 60, 105};
 
@@ -204,6 +205,67 @@ static void stale_analysis_is_refused(void **state) {
   end(&p);
 }
 
+static void reduction_gives_the_same_solution_in_half_the_steps(void **state) {
+  (void)state;
+  Problem p = problem(120, 2);
+  LthReduction *reduction = NULL;
+  CHECK_OK(p.ctx, lth_reduction_create(p.ctx, p.A, p.M, &reduction));
+  // couplings reach 1 and 7: both odd, a chessboard exists and is found
+  assert_int_equal(lth_reduction_red(reduction), 60);
+  LthSolveReport whole = solve(&p, 1e-10);
+  LitheCount before = lth_alloc_count(p.ctx);
+  double *x = calloc((size_t)p.A->n, sizeof *x);
+  LthSolveReport half = lth_reduction_solve(reduction, p.cg, 2, p.b, x, 1e-10, 1000);
+  assert_int_equal(lth_alloc_count(p.ctx), before);
+  assert_true(half.converged);
+  CHECK_AT_MOST(residual_of(&p, x), 1.01e-10);
+  CHECK_NEAR(half.residual, residual_of(&p, x), 1e-14);
+  assert_true(half.iterations <= (whole.iterations + 1) / 2 + 1);
+  for (LitheCount i = 0; i < p.A->n; i++) CHECK_NEAR(x[i], p.x[i], 1e-9 * 0.5);
+  for (int threads = 1; threads < 8; threads += 3) { // the same bits
+    double *y = calloc((size_t)p.A->n, sizeof *y);
+    lth_reduction_solve(reduction, p.cg, threads, p.b, y, 1e-10, 1000);
+    assert_memory_equal(x, y, sizeof *x * (size_t)p.A->n);
+    assert_int_equal(lth_reduction_solve(reduction, p.cg, threads, p.b, y, 1e-10, 1000).iterations,
+                     0);
+    free(y);
+  }
+  free(x);
+  lth_reduction_destroy(p.ctx, &reduction);
+  end(&p);
+}
+
+static void reduction_works_where_no_chessboard_exists(void **state) {
+  (void)state;
+  // a ring of three coupled blocks: one red, two black
+  LitheCtx *ctx = test_ctx();
+  static const LitheCount row_off[] = {0, 2, 4, 6}, block_off[] = {0, 3, 6, 9};
+  static const LitheIndex block_col[] = {0, 1, 2, 0, 1, 2, 0, 1, 2};
+  LthBlockMatrix *A = NULL;
+  LthBlockJacobi *M = NULL;
+  LthReduction *reduction = NULL;
+  LthCg *cg = NULL;
+  CHECK_OK(ctx, lth_block_matrix_create(ctx, 3, row_off, block_off, block_col, &A));
+  for (LitheCount e = 0; e < 9; e++)
+    for (int k = 0; k < 4; k++)
+      A->values[4 * e + k] = e % 4 == 0 ? (k % 3 == 0 ? 4 : 1) : (k % 3 == 0 ? -0.5 : 0);
+  CHECK_OK(ctx, lth_block_jacobi_create(ctx, A, &M));
+  CHECK_OK(ctx, lth_block_jacobi_update(ctx, M, A, NULL));
+  CHECK_OK(ctx, lth_reduction_create(ctx, A, M, &reduction));
+  CHECK_OK(ctx, lth_cg_create(ctx, A->n, &cg));
+  assert_int_equal(lth_reduction_red(reduction), 1);
+  double b[6] = {1, 2, 3, -1, 0, 5}, x[6] = {9, 9, 9, 9, 9, 9}, y[6] = {0};
+  assert_true(lth_reduction_solve(reduction, cg, 1, b, x, 1e-14, 100).converged);
+  lth_block_matrix_apply(A, 1, x, y);
+  for (int i = 0; i < 6; i++) CHECK_NEAR(y[i], b[i], 1e-13);
+  lth_cg_destroy(ctx, &cg);
+  lth_reduction_destroy(ctx, &reduction);
+  lth_block_jacobi_destroy(ctx, &M);
+  lth_block_matrix_destroy(ctx, &A);
+  assert_int_equal(lth_alloc_bytes(ctx), 0);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void dot_has_same_bits_and_value(void **state) {
   (void)state;
   enum { N = 100003 };
@@ -230,6 +292,8 @@ int main(void) {
       cmocka_unit_test(extra_diagonal_is_added),
       cmocka_unit_test(indefinite_matrix_is_found_by_all),
       cmocka_unit_test(stale_analysis_is_refused),
+      cmocka_unit_test(reduction_gives_the_same_solution_in_half_the_steps),
+      cmocka_unit_test(reduction_works_where_no_chessboard_exists),
       cmocka_unit_test(dot_has_same_bits_and_value),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
