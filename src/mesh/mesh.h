@@ -9,7 +9,7 @@
 /// a face has loops; its outer loops run counter-clockwise seen from outside face_cell[2f] (the owner),
 /// holes clockwise; face_normal points out of the owner, into the neighbour face_cell[2f + 1], which is
 /// -1 beyond the boundary. owner < neighbour for inner faces. Two cells may share several faces (of
-/// different planes). face_tag is the surface triangle a boundary face was cut from, else -1.
+/// different planes, or apart in one plane). face_tag is the surface triangle a boundary face was cut from, else -1.
 typedef struct LthMesh {
   LitheIndex n_points, n_faces, n_cells;
   double *points;             ///< [m]                                        (n_points x 3)
