@@ -66,6 +66,13 @@ const LthNode *lth_node_get(const LthNode *map, const char *key) {
   return node && !node->bad ? node : NULL;
 }
 
+bool lth_node_is_sound(const LthNode *node) {
+  if (node->bad) return false;
+  for (const LthNode *child = node->first; child; child = child->next)
+    if (!lth_node_is_sound(child)) return false;
+  return true;
+}
+
 bool lth_node_is_null(const LthNode *node) {
   if (node->kind != LTH_NODE_SCALAR || !node->plain) return false;
   return !node->text[0] || strcmp(node->text, "null") == 0 || strcmp(node->text, "~") == 0;

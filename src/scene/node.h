@@ -49,6 +49,9 @@ LthNode *lth_node_at(const LthNode *node, LitheIndex i);
 /// As lth_node_find, but NULL where the value is bad as well: what readers use.
 const LthNode *lth_node_get(const LthNode *map, const char *key);
 
+/// True where neither the node nor anything below it is bad.
+bool lth_node_is_sound(const LthNode *node);
+
 bool lth_node_is_null(const LthNode *node); ///< a plain `null`, `~` or nothing at all
 bool lth_node_is_text(const LthNode *node, const char *text);
 

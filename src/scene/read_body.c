@@ -10,10 +10,23 @@
 #define BODY_SMALL 1e-3
 #define BODY_LARGE 10.0
 
-static void warn_size(LthReader *r, const LthSceneBody *body) {
-  double min[3], max[3];
+/// Powers of lengths beyond these leave the range of numbers [m].
+#define LENGTH_MIN 1e-12
+#define LENGTH_MAX 1e12
+
+static void check_size(LthReader *r, LthNode *shape, const LthSceneBody *body) {
+  double min[3], max[3], largest = 0;
   lth_shape_bounds(&body->shape, min, max);
+  for (int i = 0; i < 3; i++) largest = fmax(largest, fmax(fabs(min[i]), fabs(max[i])));
   double size = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
+  if (!(size >= LENGTH_MIN && largest <= LENGTH_MAX)) {
+    lth_report(r->report, shape,
+               "no size that can be computed with, got %g m at up to %g m from the origin; "
+               "expected a body "
+               "from %g m on within %g m",
+               size, largest, LENGTH_MIN, LENGTH_MAX);
+    return;
+  }
   if (size > BODY_LARGE)
     lth_warn(r->ctx,
              "%s: body %s is %.4g m long: if its file is in millimetres, write `unit: mm` in mesh",
@@ -44,11 +57,11 @@ static LitheStatus read_body_shape(LthReader *r, const LthNode *node, const LthP
   double search[6];
   const LthNode *grid = lth_node_get(lth_node_get(node, "method"), "grid");
   bool has_grid = lth_read_vector(grid, "min", search) && lth_read_vector(grid, "max", search + 3);
-  LitheIndex before = r->report->n;
   LITHE_TRY(lth_read_shape(r, shape, place, has_grid ? search : NULL, false, &body->shape));
   body->shape_resolution = lth_read_number(shape, "resolution", 0);
   keep_mesh(r, body);
-  if (shape && r->report->n == before) warn_size(r, body);
+  bool is_sound = shape && lth_node_is_sound(shape);
+  if (is_sound) check_size(r, lth_node_find(node, "shape"), body);
   return LITHE_OK;
 }
 

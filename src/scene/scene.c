@@ -8,6 +8,7 @@
 #include "scene/yaml.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 /// What the text came from.
 typedef struct Source {
@@ -121,6 +122,19 @@ LitheStatus lth_scene_read_text(LitheCtx *ctx, const char *name, const char *tex
   return read_source(ctx, &source, errors, scene);
 }
 
+/// Devices never end, and a file that large is no scene: told before it is read into memory.
+static LitheStatus check_file(LitheCtx *ctx, const char *file) {
+  struct stat info;
+  if (stat(file, &info) != 0) return LITHE_OK; // the reader says why
+  if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: it is a device; expected a scene file", file);
+  if (S_ISREG(info.st_mode) && info.st_size > LTH_YAML_BYTES_MAX)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: too large, got %lld bytes; expected a scene of at most 16 MiB", file,
+               (long long)info.st_size);
+  return LITHE_OK;
+}
+
 LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *overrides,
                            int n_overrides, const char *defects_path, LthSceneErrors *errors,
                            LthScene **scene) {
@@ -130,6 +144,7 @@ LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *o
                    .overrides = overrides,
                    .n_overrides = n_overrides,
                    .defects_path = defects_path};
+  LITHE_TRY(check_file(ctx, file));
   LITHE_TRY(lth_file_read(ctx, file, &text, &source.length));
   source.text = text;
   LitheStatus status = read_source(ctx, &source, errors, scene);

@@ -181,6 +181,21 @@ static void writes_the_places_of_defects(void **state) {
   end_reading(&r);
 }
 
+static void refuses_devices_and_missing_scenes(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSceneErrors errors = {0};
+  LthScene *scene = NULL;
+  assert_int_equal(lth_scene_read(ctx, "/dev/zero", NULL, 0, NULL, &errors, &scene),
+                   LITHE_BAD_INPUT);
+  assert_string_equal(lithe_ctx_message(ctx), "/dev/zero: it is a device; expected a scene file");
+  assert_int_equal(lth_scene_read(ctx, "/nothing.yaml", NULL, 0, NULL, &errors, &scene),
+                   LITHE_BAD_INPUT);
+  assert_string_equal(lithe_ctx_message(ctx),
+                      "/nothing.yaml: cannot be read: No such file or directory");
+  lithe_ctx_destroy(&ctx);
+}
+
 static void opens_no_file_for_text_of_unknown_origin(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -230,6 +245,7 @@ int main(void) {
       cmocka_unit_test(moves_colliders_by_tables),
       cmocka_unit_test(blames_bad_files_at_their_name),
       cmocka_unit_test(writes_the_places_of_defects),
+      cmocka_unit_test(refuses_devices_and_missing_scenes),
       cmocka_unit_test(opens_no_file_for_text_of_unknown_origin),
       cmocka_unit_test(reads_the_scenes_that_come_with_it),
   };
