@@ -41,8 +41,7 @@ static bool read_box(LthReader *r, const LthNode *node, double box[6]) {
   if (!lth_node_find(node, "min") && !lth_node_find(node, "max")) return false;
   if (!lth_read_vector(node, "min", box) || !lth_read_vector(node, "max", box + 3)) {
     if (!lth_node_find(node, "min") || !lth_node_find(node, "max"))
-      lth_report(r->report, (LthNode *)(uintptr_t)node,
-                 "half a box, got one of min and max; expected both");
+      lth_report(r->report, node, "half a box, got one of min and max; expected both");
     return false;
   }
   for (int i = 0; i < 3; i++) {

@@ -70,7 +70,7 @@ static void check_load(LthReader *r, const LthNode *node, const LthSceneLoad *lo
                    "version, got one; expected all, or no where");
   if (!is_body_force && !where)
     lth_report_missing(
-        r->report, (LthNode *)(uintptr_t)node, "where",
+        r->report, node, "where",
         "missing; expected all, or a mapping with one shape, plane, normal, face, not, and, or");
   if (load->follower && !lth_node_find(node, "pressure"))
     lth_report_key(r->report, follower,

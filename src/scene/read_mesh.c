@@ -46,8 +46,8 @@ LitheStatus lth_find_file(LthReader *r, const LthNode *node, const char **path) 
   else if (!S_ISREG(info.st_mode))
     why = S_ISDIR(info.st_mode) ? "it is a folder" : "it is no regular file";
   if (why)
-    lth_report(r->report, (LthNode *)(uintptr_t)node,
-               "cannot be read: %s, got %s; expected a file (looked for %s)", why, shown, kept);
+    lth_report(r->report, node, "cannot be read: %s, got %s; expected a file (looked for %s)", why,
+               shown, kept);
   else
     *path = kept;
   return LITHE_OK;
@@ -116,7 +116,7 @@ static void map_points(LitheIndex n, double *points, const double A[12]) {
 static LitheStatus blame_file(LthReader *r, const LthNode *file, LitheStatus status,
                               const char *more) {
   if (status != LITHE_BAD_INPUT) return status;
-  lth_report(r->report, (LthNode *)(uintptr_t)file, "%s%s", lithe_ctx_message(r->ctx), more);
+  lth_report(r->report, file, "%s%s", lithe_ctx_message(r->ctx), more);
   return LITHE_OK;
 }
 

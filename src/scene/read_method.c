@@ -77,7 +77,7 @@ static LitheStatus read_one(LthReader *r, const LthNode *node, LthSceneMaterial 
   if (node->kind == LTH_NODE_MAP && !node->bad && !lth_node_find(node, "density")) {
     m->density = lth_value_constant(ANY_DENSITY);
     if (why)
-      lth_report_missing(r->report, (LthNode *)(uintptr_t)node, "density",
+      lth_report_missing(r->report, node, "density",
                          "missing, but %s; expected a number > 0 [kg/m^3]", why);
   }
   const LthNode *damping = lth_node_get(node, "damping");

@@ -112,7 +112,7 @@ static LitheStatus read_table(LthReader *r, const LthNode *keys, KeyTable *table
   lth_free(r->ctx, data);
   if (status != LITHE_BAD_INPUT) return status;
   table->rows = NULL;
-  lth_report(r->report, (LthNode *)(uintptr_t)keys, "%s", lithe_ctx_message(r->ctx));
+  lth_report(r->report, keys, "%s", lithe_ctx_message(r->ctx));
   return LITHE_OK;
 }
 

@@ -22,7 +22,7 @@ static void refuse_key(LthReader *r, const LthNode *map, const char *key, const 
 
 static void need_key(LthReader *r, const LthNode *map, const char *key, const char *what) {
   if (!map || map->bad || map->kind != LTH_NODE_MAP || lth_node_find(map, key)) return;
-  lth_report_missing(r->report, (LthNode *)(uintptr_t)map, key, "missing; expected %s", what);
+  lth_report_missing(r->report, map, key, "missing; expected %s", what);
 }
 
 static void read_kind(LthReader *r, const LthNode *map, LthTimeKind kind) {

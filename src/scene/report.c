@@ -26,6 +26,7 @@ static void add_entry(LthReport *report, Place at, const char *path, const char 
   char text[MESSAGE_MAX];
   LitheIndex order = report->n++;
   if (order >= LTH_REPORT_MAX) return;
+  // NOLINTNEXTLINE(clang-analyzer-valist.Uninitialized): clang 14 loses va_start when it inlines
   vsnprintf(text, sizeof text, format, args);
   LthArena *arena = report->arena;
   LthReportEntry *entry = lth_arena_take(arena, sizeof *entry);
@@ -45,25 +46,29 @@ static void add_entry(LthReport *report, Place at, const char *path, const char 
   report->first = entry;
 }
 
-void lth_report(LthReport *report, LthNode *node, const char *format, ...) {
+/// The mark is bookkeeping, not content: readers hold their nodes as const.
+static void mark_bad(const LthNode *node) { ((LthNode *)node)->bad = true; }
+
+void lth_report(LthReport *report, const LthNode *node, const char *format, ...) {
   va_list args;
   va_start(args, format);
   add_entry(report, (Place){node->origin, node->line, node->column},
             lth_node_path(report->arena, node, NULL), format, args);
   va_end(args);
-  node->bad = true;
+  mark_bad(node);
 }
 
-void lth_report_key(LthReport *report, LthNode *node, const char *format, ...) {
+void lth_report_key(LthReport *report, const LthNode *node, const char *format, ...) {
   va_list args;
   va_start(args, format);
   add_entry(report, (Place){node->origin, node->key_line, node->key_column},
             lth_node_path(report->arena, node, NULL), format, args);
   va_end(args);
-  node->bad = true;
+  mark_bad(node);
 }
 
-void lth_report_missing(LthReport *report, LthNode *map, const char *key, const char *format, ...) {
+void lth_report_missing(LthReport *report, const LthNode *map, const char *key, const char *format,
+                        ...) {
   va_list args;
   va_start(args, format);
   add_entry(report, (Place){map->origin, map->line, map->column},
@@ -86,7 +91,7 @@ void lth_report_option(LthReport *report, const char *origin, const char *format
 }
 
 /// Copy what can be shown of a text: at most SHOWN_MAX bytes, whole UTF-8 characters, no controls.
-static bool clean_text(const char *text, char shown[SHOWN_MAX + 4]) {
+static void clean_text(const char *text, char shown[SHOWN_MAX + 4]) {
   size_t n = 0;
   bool is_cut = false;
   for (const char *c = text; *c; c++) {
@@ -101,11 +106,9 @@ static bool clean_text(const char *text, char shown[SHOWN_MAX + 4]) {
   if (is_cut) {
     while (n > 0 && ((unsigned char)shown[n - 1] & 0xC0) == 0x80) n--;
     if (n > 0 && (unsigned char)shown[n - 1] >= 0xC0) n--;
-    memcpy(shown + n, "...", 3);
-    n += 3;
+    for (int i = 0; i < 3; i++) shown[n++] = '.';
   }
   shown[n] = 0;
-  return is_cut;
 }
 
 const char *lth_show_text(LthArena *arena, const char *text) {
@@ -135,9 +138,9 @@ static int compare_entries(const void *a, const void *b) {
 }
 
 static char *copy_line(LitheCtx *ctx, const char *text) {
-  size_t length = strlen(text);
-  char *line = lth_alloc(ctx, (LitheCount)length + 1, 1);
-  if (line) memcpy(line, text, length);
+  size_t bytes = strlen(text) + 1;
+  char *line = lth_alloc(ctx, (LitheCount)bytes, 1);
+  if (line) memcpy(line, text, bytes);
   return line;
 }
 

@@ -18,14 +18,14 @@ typedef struct LthReport {
 
 /// "FILE:LINE:COLUMN: PATH: text" at a node, which is marked as bad. The text has the form "what is wrong,
 /// got VALUE; what is expected".
-void lth_report(LthReport *report, LthNode *node, const char *format, ...)
+void lth_report(LthReport *report, const LthNode *node, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /// The same at a node's key (unknown and repeated keys), and for a key that is missing from a map.
-void lth_report_key(LthReport *report, LthNode *node, const char *format, ...)
+void lth_report_key(LthReport *report, const LthNode *node, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-void lth_report_missing(LthReport *report, LthNode *map, const char *key, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+void lth_report_missing(LthReport *report, const LthNode *map, const char *key, const char *format,
+                        ...) __attribute__((format(printf, 4, 5)));
 
 /// At a place of the file that has no node; line 0: none.
 void lth_report_at(LthReport *report, int line, int column, const char *format, ...)
