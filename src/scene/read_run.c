@@ -8,6 +8,8 @@
 /// Frames of an animation where nothing else is asked for [s].
 #define FRAME (1.0 / 30)
 
+#define STEPS_MAX 1e9
+
 static char *copy_text(LthReader *r, const char *text) {
   return text ? lth_arena_text(r->arena, text, strlen(text)) : NULL;
 }
@@ -25,6 +27,16 @@ static void need_key(LthReader *r, const LthNode *map, const char *key, const ch
   lth_report_missing(r->report, map, key, "missing; expected %s", what);
 }
 
+/// A run of more steps than a life is long: a unit is wrong.
+static void check_steps(LthReader *r, const LthNode *map) {
+  double n = r->scene->duration / r->scene->step;
+  if (r->scene->step > 0 && n > STEPS_MAX)
+    lth_report(r->report, lth_node_find(map, "step"),
+               "too many steps, got %.3g in %g s; expected at most %g: a longer step or a shorter "
+               "duration",
+               n, r->scene->duration, STEPS_MAX);
+}
+
 static void read_kind(LthReader *r, const LthNode *map, LthTimeKind kind) {
   static const char *const names[] = {"static", "quasistatic", "dynamic"};
   LthScene *scene = r->scene;
@@ -35,6 +47,7 @@ static void read_kind(LthReader *r, const LthNode *map, LthTimeKind kind) {
   if (kind == LTH_TIME_DYNAMIC) {
     need_key(r, map, "duration", "a number > 0 [s]");
     need_key(r, map, "step", "a number > 0 [s]");
+    check_steps(r, map);
   } else {
     refuse_key(r, map, "step", names[kind]);
     refuse_key(r, map, "integrator", names[kind]);
