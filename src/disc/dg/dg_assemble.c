@@ -25,15 +25,13 @@ INLINE void rotate_cell(int nb, const double *restrict D, const double R[9],
     }
 }
 
-/// block[i][a][b][j] += full_ab mass_ij + mean_ab u_i v_j
+/// block[i][a][b][j] += full_ab mass_ij + part_ab low_ij
 INLINE void add_mass(int nu, int nv, const double *restrict mass, const double full[9],
-                     const double *restrict u, const double *restrict v, const double mean[9],
-                     double *restrict block) {
+                     const double *restrict low, const double part[9], double *restrict block) {
   for (int i = 0; i < nu; i++)
     for (int ab = 0; ab < 9; ab++) {
-      double f = full[ab], m = mean[ab] * u[i];
-      double *row = block + (i * 9 + ab) * nv;
-      for (int j = 0; j < nv; j++) row[j] += f * mass[i * nv + j] + m * v[j];
+      double f = full[ab], p = part[ab], *row = block + (i * 9 + ab) * nv;
+      for (int j = 0; j < nv; j++) row[j] += f * mass[i * nv + j] + p * low[i * nv + j];
     }
 }
 
@@ -72,17 +70,18 @@ INLINE void interleave(int rows, int nv, double *restrict block) {
 
 /// What one face adds to a block of owner rows and neighbour columns.
 typedef struct PairTerms {
-  const double *mixed, *u, *v, *slope[2], *R[2];
-  double full[9], mean[9], n[2][3], lambda[2], mu[2];
+  const double *mixed, *low, *slope[2], *R[2];
+  double full[9], part[9], n[2][3], lambda[2], mu[2];
 } PairTerms;
 
 INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *block) {
-  add_mass(nu, nv, t->mixed, t->full, t->u, t->v, t->mean, block);
+  add_mass(nu, nv, t->mixed, t->full, t->low, t->part, block);
   if (!flux) return;
   add_flux(nu, nv, t->slope[1], t->R[1], t->n[1], t->lambda[1], t->mu[1], 0, block);
   add_flux(nu, nv, t->slope[0], t->R[0], t->n[0], t->lambda[0], t->mu[0], 1, block);
 }
 
+// clang-format off: it takes the macros for declarations
 // the common sizes are compiled with constant trip counts
 #define BY_SIZE(n, call)                                                                           \
   switch (n) {                                                                                     \
@@ -111,8 +110,8 @@ LTH_DG_CLONES static void rotate_cell_sized(int nb, const double *D, const doubl
 }
 
 LTH_DG_CLONES static void add_mass_sized(int nb, const double *mass, const double full[9],
-                                         const double mean[9], double *block){
-#define CALL(n) add_mass(n, n, mass, full, mass, mass, mean, block)
+                                         const double *low, const double part[9], double *block){
+#define CALL(n) add_mass(n, n, mass, full, low, part, block)
     BY_SIZE(nb, CALL)
 #undef CALL
 }
@@ -129,16 +128,16 @@ LTH_DG_CLONES static void interleave_sized(int rows, int nv, double *block) {
   BY_SIZE(nv, CALL)
 #undef CALL
 }
+// clang-format on
 
-/// Penalty matrices of a face with the rotations as they stand; mean is divided by the area.
+/// Penalty matrices of a face with the rotations as they stand.
 static void face_penalty(const LthDgOperator *op, const LthDgFace *face, double full[9],
-                         double mean[9], double n[2][3]) {
+                         double part[9], double n[2][3]) {
   for (int s = 0; s < 2; s++)
     lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, n[s]);
   const LthDgPenalty *p = &face->penalty;
   lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], full);
-  lth_dg_penalty_matrix(p->mean_iso, p->mean_normal, n[0], n[1], mean);
-  for (int i = 0; i < 9; i++) mean[i] /= face->area;
+  lth_dg_penalty_matrix(p->low_iso, p->low_normal, n[0], n[1], part);
 }
 
 /// block_ij += P R B_ij R^T + (P R B_ji R^T)^T + P R Q_ij R^T P of a hold that leaves components free.
@@ -182,7 +181,7 @@ static void add_roller(const LthDgOperator *op, const LthDgHold *hold, double *b
   double cosine = lth_v3_dot(n, turned);
   const LthDgPenalty *p = &group->penalty;
   double full = p->full_iso + p->full_normal[0] * cosine * cosine;
-  double mean = (p->mean_iso + p->mean_normal[0] * cosine * cosine) / group->area;
+  double mean = (p->low_iso + p->low_normal[0] * cosine * cosine) / group->area;
 
   for (int i = 0; i < nb; i++)
     for (int j = 0; j < nb; j++) {
@@ -207,9 +206,11 @@ static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *
                     block);
   for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
     const LthDgFace *face = &op->faces[op->sides[s].face];
-    double full[9], mean[9], n[2][3];
-    face_penalty(op, face, full, mean, n);
-    add_mass_sized(nb, lth_dg_face_tables(op, face).mass[op->sides[s].side], full, mean, block);
+    double full[9], part[9], n[2][3];
+    face_penalty(op, face, full, part, n);
+    LthDgFaceTables tables = lth_dg_face_tables(op, face);
+    int side = op->sides[s].side;
+    add_mass_sized(nb, tables.mass[side], full, tables.low[side], part, block);
   }
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
     if (op->holds[h].roller)
@@ -222,9 +223,8 @@ static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *
 static void add_face_to_pair(const LthDgOperator *op, const LthDgFace *face, double *block) {
   int nu = lth_dg_funcs(op->space, face->cell[0]), nv = lth_dg_funcs(op->space, face->cell[1]);
   LthDgFaceTables tables = lth_dg_face_tables(op, face);
-  PairTerms t = {.mixed = tables.mixed, .u = tables.mass[0], .v = tables.mass[1]};
-  face_penalty(op, face, t.full, t.mean, t.n);
-  for (int i = 0; i < 9; i++) t.mean[i] = -t.mean[i]; // the sign of a product of two jumps
+  PairTerms t = {.mixed = tables.mixed, .low = tables.low_mixed};
+  face_penalty(op, face, t.full, t.part, t.n);
   for (int s = 0; s < 2; s++) {
     t.slope[s] = tables.slope[s];
     t.R[s] = op->rotation + 9 * (LitheCount)face->cell[s];

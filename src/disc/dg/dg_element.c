@@ -113,7 +113,7 @@ static void hold_matrices(const LthDgOperator *op, const LthDgHold *hold, double
     double full[9], mean[9];
     const LthDgPenalty *p = &group->penalty;
     lth_dg_penalty_matrix(p->full_iso, p->full_normal, group->normal, zero, full);
-    lth_dg_penalty_matrix(p->mean_iso, p->mean_normal, group->normal, zero, mean);
+    lth_dg_penalty_matrix(p->low_iso, p->low_normal, group->normal, zero, mean);
     for (int i = 0; i < nb; i++)
       for (int ab = 0; ab < 9; ab++)
         for (int j = 0; j < nb; j++)

@@ -115,6 +115,63 @@ static void face_slopes(const LthDgOperator *op, const LthDgFace *face, const Lt
       }
 }
 
+/// Orthonormal polynomials psi_l of degree p in the face as rows of `psi` (coefficients of the graded
+/// monomials, lower-triangular), by Gram-Schmidt with their moments.
+static void face_polynomials(int p, const double *moments,
+                             double psi[LTH_DG_MAX_LOW][LTH_DG_MAX_LOW]) {
+  const int(*exponent)[2] = lth_monomial2_exponents();
+  int r = lth_monomials2(p);
+  double M[LTH_DG_MAX_LOW][LTH_DG_MAX_LOW];
+  for (int i = 0; i < r; i++)
+    for (int j = 0; j < r; j++) {
+      int a = exponent[i][0] + exponent[j][0], b = exponent[i][1] + exponent[j][1];
+      M[i][j] = moments[(a + b) * (a + b + 1) / 2 + b];
+    }
+  memset(psi, 0, sizeof(double) * LTH_DG_MAX_LOW * LTH_DG_MAX_LOW);
+  for (int l = 0; l < r; l++) {
+    double v[LTH_DG_MAX_LOW] = {0}, size = 0;
+    v[l] = 1;
+    for (int round = 0; round < 2; round++)
+      for (int m = 0; m < l; m++) {
+        double dot = 0;
+        for (int i = 0; i <= l; i++)
+          for (int j = 0; j <= m; j++) dot += v[i] * M[i][j] * psi[m][j];
+        for (int j = 0; j <= m; j++) v[j] -= dot * psi[m][j];
+      }
+    for (int i = 0; i <= l; i++)
+      for (int j = 0; j <= l; j++) size += v[i] * M[i][j] * v[j];
+    // a needle so thin that rounding decides has no such polynomial
+    for (int i = 0; i <= l && size > 1e-12 * M[l][l]; i++) psi[l][i] = v[i] / sqrt(size);
+  }
+}
+
+/// low (r x n): int psi_l phi_i from a trace of degree k.
+static void low_moments(int r, double psi[LTH_DG_MAX_LOW][LTH_DG_MAX_LOW], int n, int k,
+                        const double *trace, const double *moments, double *low) {
+  const int(*exponent)[2] = lth_monomial2_exponents();
+  int n2 = lth_monomials2(k);
+  for (int l = 0; l < r; l++) {
+    double row[LTH_DG_MAX_TRACE] = {0};
+    for (int i = 0; i <= l; i++)
+      for (int q = 0; q < n2; q++) {
+        int a = exponent[i][0] + exponent[q][0], b = exponent[i][1] + exponent[q][1];
+        row[q] += psi[l][i] * moments[(a + b) * (a + b + 1) / 2 + b];
+      }
+    for (int i = 0; i < n; i++) {
+      low[l * n + i] = 0;
+      for (int q = 0; q < n2; q++) low[l * n + i] += row[q] * trace[i * n2 + q];
+    }
+  }
+}
+
+/// table += sign u^T v
+static void low_products(int r, int nu, const double *u, int nv, const double *v, double sign,
+                         double *table) {
+  for (int l = 0; l < r; l++)
+    for (int i = 0; i < nu; i++)
+      for (int j = 0; j < nv; j++) table[i * nv + j] += sign * u[l * nu + i] * v[l * nv + j];
+}
+
 static void integrate_face(LthDgOperator *op, const LthDgFace *face) {
   const LthDgSpace *space = op->space;
   LthDgFaceTables t = lth_dg_face_tables(op, face);
@@ -132,6 +189,14 @@ static void integrate_face(LthDgOperator *op, const LthDgFace *face) {
   for (int s = 0; s < 2; s++)
     trace_products(n[s], k[s], trace[s], n[s], k[s], trace[s], moments, 1, t.mass[s]);
   trace_products(n[0], k[0], trace[0], n[1], k[1], trace[1], moments, -1, t.mixed);
+  double psi[LTH_DG_MAX_LOW][LTH_DG_MAX_LOW], low[2][LTH_DG_MAX_LOW * LTH_DG_MAX_FUNCS];
+  int r = lth_monomials2(degree / 2 - 1);
+  face_polynomials(degree / 2 - 1, moments, psi);
+  for (int s = 0; s < 2; s++) {
+    low_moments(r, psi, n[s], k[s], trace[s], moments, low[s]);
+    low_products(r, n[s], low[s], n[s], low[s], 1, t.low[s]);
+  }
+  low_products(r, n[0], low[0], n[1], low[1], -1, t.low_mixed);
   if (op->flux == LTH_FLUX_IP) face_slopes(op, face, &t);
 }
 

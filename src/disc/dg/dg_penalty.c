@@ -49,10 +49,22 @@ static void set_penalty(LthDgPenalty *p, bool projected, double iso, const doubl
     return;
   }
   p->full_iso = across;
-  p->mean_iso = iso - across;
+  p->low_iso = iso - across;
   for (int s = 0; s < 2; s++) {
     p->full_normal[s] = share[s] * (along - across);
-    p->mean_normal[s] = normal[s] - p->full_normal[s];
+    p->low_normal[s] = normal[s] - p->full_normal[s];
+  }
+}
+
+/// Higher degrees: the stress meets the part of degree k - 1 of the jump only, so that lambda, which
+/// would make the rest rigid near nu = 1/2, is spent on that part alone.
+static void relax_normal(const LthDgOperator *op, LthDgFace *face, double iso,
+                         const double normal[2]) {
+  face->penalty = (LthDgPenalty){.full_iso = iso};
+  for (int s = 0; s < 2; s++) {
+    double lambda = op->lambda[face->cell[s]], mu = op->mu[face->cell[s]];
+    face->penalty.full_normal[s] = normal[s] * mu / (lambda + mu);
+    face->penalty.low_normal[s] = normal[s] - face->penalty.full_normal[s];
   }
 }
 
@@ -85,6 +97,10 @@ void lth_dg_inner_penalty(const LthDgOperator *op, LthDgFace *face) {
     iso = BZ_STIFFNESS * across;
     for (int s = 0; s < 2; s++) normal[s] = 0.5 * BZ_STIFFNESS * (along - across);
   }
+  if (op->flux == LTH_FLUX_IP && !linear) {
+    relax_normal(op, face, iso, normal);
+    return;
+  }
   series_springs(op, face->cell, d, false, &along, &across);
   set_penalty(&face->penalty, linear, iso, normal, along, across, half);
 }
@@ -115,8 +131,8 @@ void lth_dg_boundary_penalty(const LthDgOperator *op, LitheIndex cell, const dou
 /// Stiffness against a normal jump, over (lambda + 2 mu) / h.
 static double normal_scale(const LthDgOperator *op, const LthDgPenalty *p, LitheIndex cell,
                            double h) {
-  double stiffness = p->full_iso + p->full_normal[0] + p->full_normal[1] + p->mean_iso +
-                     p->mean_normal[0] + p->mean_normal[1];
+  double stiffness = p->full_iso + p->full_normal[0] + p->full_normal[1] + p->low_iso +
+                     p->low_normal[0] + p->low_normal[1];
   return stiffness * h / (op->lambda[cell] + 2 * op->mu[cell]);
 }
 

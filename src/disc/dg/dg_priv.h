@@ -6,6 +6,7 @@
 
 #define LTH_DG_MAX_LOWER 20  ///< lth_monomials3(LTH_DG_MAX_DEGREE - 1)
 #define LTH_DG_MAX_TRACE 15  ///< lth_monomials2(LTH_DG_MAX_DEGREE)
+#define LTH_DG_MAX_LOW 10    ///< lth_monomials2(LTH_DG_MAX_DEGREE - 1)
 #define LTH_DG_MAX_TRACE2 45 ///< lth_monomials2(2 LTH_DG_MAX_DEGREE)
 
 /// Compile a hot function for wider vectors too; the loader picks one.
@@ -16,11 +17,12 @@
 #define LTH_DG_CLONES
 #endif
 
-/// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, once on
-/// the whole jump (`full`) and once more on its mean over the face (`mean`). Units [Pa/m].
+/// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, once on the
+/// whole jump (`full`) and once more on its part of degree k - 1 in the face (`low`; on held faces used for
+/// k = 1 only, where it is the mean). Units [Pa/m].
 typedef struct LthDgPenalty {
   double full_iso, full_normal[2];
-  double mean_iso, mean_normal[2];
+  double low_iso, low_normal[2];
 } LthDgPenalty;
 
 /// An inner face. Faces are ordered by (cell[0], cell[1]), so that the faces of a pair are neighbours.
@@ -28,6 +30,7 @@ typedef struct LthDgPenalty {
 ///   mass[0]  (n_0 x n_0)      int phi+_i phi+_j
 ///   mass[1]  (n_1 x n_1)      int phi-_i phi-_j
 ///   mixed    (n_0 x n_1)      -int phi+_i phi-_j           (a product of two jumps)
+///   low[0], low[1], low_mixed  the same of the traces' parts of degree k - 1 in the face
 ///   slope[1] (3 x n_0 x n_1)   int [phi+_i] d_b phi-_j     IP only
 ///   slope[0] (3 x n_0 x n_1)   int [phi-_j] d_b phi+_i     IP only
 typedef struct LthDgFace {
@@ -115,13 +118,13 @@ static inline const double *lth_dg_slope(const LthDgOperator *op, LitheIndex cel
 
 /// Number of doubles of a face's tables, and their starts.
 typedef struct LthDgFaceTables {
-  double *mass[2], *mixed, *slope[2];
+  double *mass[2], *mixed, *low[2], *low_mixed, *slope[2];
 } LthDgFaceTables;
 
 static inline LitheCount lth_dg_face_doubles(const LthDgOperator *op, const LthDgFace *face) {
   LitheCount n0 = lth_dg_funcs(op->space, face->cell[0]),
              n1 = lth_dg_funcs(op->space, face->cell[1]);
-  return n0 * n0 + n1 * n1 + n0 * n1 * (op->flux == LTH_FLUX_IP ? 7 : 1);
+  return 2 * (n0 * n0 + n1 * n1 + n0 * n1) + n0 * n1 * (op->flux == LTH_FLUX_IP ? 6 : 0);
 }
 
 static inline LthDgFaceTables lth_dg_face_tables(const LthDgOperator *op, const LthDgFace *face) {
@@ -129,7 +132,10 @@ static inline LthDgFaceTables lth_dg_face_tables(const LthDgOperator *op, const 
   LthDgFaceTables t = {.mass[0] = op->face_data + face->table};
   t.mass[1] = t.mass[0] + n0 * n0;
   t.mixed = t.mass[1] + n1 * n1;
-  t.slope[1] = t.mixed + n0 * n1;
+  t.low[0] = t.mixed + n0 * n1;
+  t.low[1] = t.low[0] + n0 * n0;
+  t.low_mixed = t.low[1] + n1 * n1;
+  t.slope[1] = t.low_mixed + n0 * n1;
   t.slope[0] = t.slope[1] + 3 * n0 * n1;
   return t;
 }
