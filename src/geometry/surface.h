@@ -63,10 +63,13 @@ const char *lth_defect_text(LthDefectKind kind);
 
 void lth_defects_free(LitheCtx *ctx, LthDefects *defects);
 
-/// Weld, drop degenerate triangles, orient, find shells and cavities. What was done is told by
-/// lth_warn(). A surface that is open, crosses itself or is not a manifold gives LITHE_BAD_INPUT, a
-/// message that counts and places the defects, and the list in `defects` (may be NULL).
-/// `name` is used in messages. Nothing of the soup is kept.
+/// Weld points (equal or nearer than 1e-9 of the size), triangulate, drop what covers nothing, make
+/// orientation agree, find shells and cavities, mend slight crossings (by less than 1e-3 of the size).
+/// What was done is told by lth_warn(). A shell inside another must face the other way in the file, or
+/// have mixed orientation, to be taken for a cavity. A surface that is open, crosses itself or is not a
+/// manifold gives LITHE_BAD_INPUT, a message that counts and places the defects, and the list in
+/// `defects` (may be NULL; else free it with lth_defects_free() whatever is returned).
+/// `name` is used in messages. Nothing of the soup is kept. Same result for any number of threads.
 LitheStatus lth_surface_from_soup(LitheCtx *ctx, const LthSoup *soup, const char *name,
                                   LthDefects *defects, LthSurface **surface);
 
