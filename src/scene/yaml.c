@@ -21,7 +21,8 @@ typedef struct PendingKey {
 typedef struct Builder {
   LthReport *report;
   LthArena *arena;
-  const char *origin;
+  const char *origin, *text;
+  size_t length;
   LthNode *root, *open; ///< open: the map or list being filled
   PendingKey keys[LTH_NODE_DEPTH_MAX + 1];
   int depth;
@@ -113,12 +114,26 @@ static bool awaits_key(const Builder *b) {
   return b->open && b->open->kind == LTH_NODE_MAP && !b->keys[b->depth].text;
 }
 
+/// libfyaml 0.7.12 garbles and leaks single-quoted texts with '' several times in a row.
+static bool has_quote_run(const Builder *b, struct fy_token *token) {
+  const struct fy_mark *start = fy_token_start_mark(token), *end = fy_token_end_mark(token);
+  if (!start || !end || end->input_pos > b->length || start->input_pos > end->input_pos)
+    return false;
+  for (size_t i = start->input_pos; i + 4 <= end->input_pos; i++)
+    if (memcmp(b->text + i, "''''", 4) == 0) return true;
+  return false;
+}
+
 static void on_scalar(Builder *b, struct fy_event *event) {
   struct fy_token *token = event->scalar.value;
   enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
   bool is_quoted = style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED;
   take_place(b, token, is_quoted);
   refuse_tag(b, event->scalar.tag);
+  if (style == FYSS_SINGLE_QUOTED && has_quote_run(b, token)) {
+    complain(b, "several '' in a row in a single-quoted text; expected double quotes around it");
+    return;
+  }
   if (awaits_key(b)) {
     b->keys[b->depth] = (PendingKey){token_text(b, token), b->line, b->column};
     return;
@@ -310,7 +325,13 @@ static bool is_clean_text(Builder *b, const char *text, size_t length) {
 }
 
 LthNode *lth_yaml_parse(LthReport *report, const char *text, size_t length, const char *origin) {
-  Builder b = {.report = report, .arena = report->arena, .origin = origin, .line = 1, .column = 1};
+  Builder b = {.report = report,
+               .arena = report->arena,
+               .origin = origin,
+               .text = text,
+               .length = length,
+               .line = 1,
+               .column = 1};
   if (length > LTH_YAML_BYTES_MAX) {
     complain(&b, "too large, got more than 16 MiB; expected a scene");
     return NULL;

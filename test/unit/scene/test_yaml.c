@@ -100,6 +100,9 @@ static void refuses_what_is_not_one_document(void **state) {
   check_refused(
       "a: !!str 5\n",
       "s.yaml:1:10: a YAML tag (!...) has no meaning in a scene; expected a value without it");
+  check_refused("a: 'x''''y'\n",
+                "s.yaml:1:4: several '' in a row in a single-quoted text; expected double "
+                "quotes around it");
   check_refused("a: \"x\\0y\"\n", "s.yaml:1:4: a zero byte in a text, got \\0; expected letters");
 }
 
