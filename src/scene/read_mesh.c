@@ -95,6 +95,10 @@ static void fit_map(const LthNode *node, const LthSoup *soup, double *scale, dou
 /// x_scene = R (scale x + shift) + t as a 3x4 matrix.
 static void file_map(LthReader *r, const LthNode *node, const LthSoup *soup,
                      const LthPlacement *place, double A[12]) {
+  const LthNode *up = lth_node_find(node, "up");
+  if (up && !up->is_default && !lth_node_find(node, "fit"))
+    lth_report_key(r->report, up,
+                   "it goes with fit, got no fit; expected fit beside it, or place.rotate");
   double shift[3], b[3], scale = unit_factor(r, node) * lth_read_number(node, "scale", 1);
   fit_map(node, soup, &scale, shift);
   lth_place_point(place, shift, b);

@@ -88,8 +88,15 @@ static LitheStatus read_children(LthReader *r, const LthNode *list, const LthPla
                                  LthShape *shape) {
   if (list->kind != LTH_NODE_LIST) return LITHE_OK;
   LTH_NEW(r->ctx, shape->children, list->n_children);
-  for (const LthNode *child = list->first; child; child = child->next)
+  for (const LthNode *child = list->first; child; child = child->next) {
+    const LthNode *resolution = lth_node_find(child, "resolution");
+    if (resolution)
+      lth_report_key(
+          r->report, resolution,
+          "it belongs to the whole shape, got it in a part; expected it beside the outermost "
+          "union, intersection or difference");
     LITHE_TRY(read_tree(r, child, place, &shape->children[shape->n_children++]));
+  }
   return LITHE_OK;
 }
 

@@ -155,6 +155,9 @@ static void blames_bad_files_at_their_name(void **state) {
                     "scene.yaml:3:41: bodies.0.shape.mesh.unit: no unit of length, got \"kg\"; "
                     "expected m, mm, cm, "
                     "um, in or ft");
+  check_first_error(MESH("{file: box.obj, up: z}", ""),
+                    "scene.yaml:3:35: bodies.0.shape.mesh.up: it goes with fit, "
+                    "got no fit; expected fit beside it, or place.rotate");
 #define KEYS(file)                                                                                 \
   SMALL_SCENE "colliders:\n  - sphere: {center: [0, 0, 0], radius: 1, motion: {keys: " file "}}\n"
   check_first_error(KEYS("back.csv"),
