@@ -9,7 +9,7 @@ static LitheCtx *interrupted_ctx;
 
 /// The first Ctrl-C asks the run to stop and leave valid files; a second one kills.
 static void on_interrupt(int number) {
-  lithe_ctx_cancel(interrupted_ctx);
+  lithe_ctx_cancel(interrupted_ctx); // NOLINT(bugprone-signal-handler): sets an atomic flag
   signal(number, SIG_DFL);
 }
 

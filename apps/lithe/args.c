@@ -152,7 +152,7 @@ static bool parse_option(int argc, char **argv, int *i, int bit, Args *args) {
             equals + 1);
     return false;
   }
-  return apply(option, value, args);
+  return apply(option, value ? value : "", args);
 }
 
 static bool parse_word(const char *word, Args *args) {

@@ -100,6 +100,7 @@ static int compare_samples(const void *left, const void *right) {
 
 static void read_figures(const LthBody *body, Samples *samples, LthStressFigures *figures) {
   double volume = 0, below = 0;
+  if (samples->n == 0) return;
   qsort(samples->items, (size_t)samples->n, sizeof *samples->items, compare_samples);
   for (LitheCount i = 0; i < samples->n; i++) {
     const Sample *s = samples->items + i;
