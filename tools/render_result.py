@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Renders frames of a result side by side into one picture, off-screen, with VTK (python3-vtk9).
 
-usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut|rest]
-                        [--colour von_mises|displacement|none] [--azimuth 30] [--elevation 15] [--size 480x400]
+usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut] ...
+Needs a display: without one, put `xvfb-run -a` in front.
 
 surface: the embedded surface (surface.obj + surface.pc2); elements: the polyhedra of fields_*.vtu;
 cut: the polyhedra in front of the middle left away; shrunk elements show that they are separate.
@@ -46,7 +46,11 @@ def read_elements(folder, frame, shrink, cut):
                         for c in range(n)])
     keep = np.ones(n, bool)
     if cut:
-        keep = centers[:, 2] <= np.median(centers[:, 2])
+        # by the place at rest, so that all frames show the same elements
+        moved = grid.GetPointData().GetArray("displacement")
+        rest = [centers[c][2] - (moved.GetTuple(grid.GetCell(c).GetPointId(0))[2] if moved else 0)
+                for c in range(n)]
+        keep = np.array(rest) <= np.median(rest)
     return faces_of(grid, centers, keep, shrink)
 
 
@@ -106,8 +110,8 @@ def add_floor(renderer, y, bounds):
     mapper.SetInputConnection(plane.GetOutputPort())
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
-    actor.GetProperty().SetColor(.86, .86, .84)
-    actor.GetProperty().SetAmbient(.35)
+    actor.GetProperty().SetColor(.93, .93, .91)
+    actor.GetProperty().LightingOff()
     renderer.AddActor(actor)
 
 
@@ -144,6 +148,8 @@ def main():
     parser.add_argument("--elevation", type=float, default=12)
     parser.add_argument("--size", default="420x420")
     parser.add_argument("--shrink", type=float, default=1)
+    parser.add_argument("--up", default="y", choices=("y", "z"))
+    parser.add_argument("--zoom", type=float, default=1.2)
     parser.add_argument("--floor", type=float, default=None)
     args = parser.parse_args()
     frames = [int(f) for f in args.frames.split(",")]
@@ -170,10 +176,14 @@ def main():
         if camera is None:
             renderer.ResetCamera(bounds)
             camera = renderer.GetActiveCamera()
+            if args.up == "z":
+                focus = camera.GetFocalPoint()
+                camera.SetPosition(focus[0], focus[1] - camera.GetDistance(), focus[2])
+                camera.SetViewUp(0, 0, 1)
             camera.Azimuth(args.azimuth)
             camera.Elevation(args.elevation)
             renderer.ResetCamera(bounds)
-            camera.Zoom(1.25)
+            camera.Zoom(args.zoom)
         renderer.SetActiveCamera(camera)
         if args.floor is not None:
             add_floor(renderer, args.floor, bounds)

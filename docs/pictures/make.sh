@@ -1,0 +1,19 @@
+#!/bin/sh
+# Makes the pictures of the documentation anew. Needs python3-vtk9 and xvfb.
+set -eu
+cd "$(dirname "$0")/../.."
+lithe=build/release/apps/lithe/lithe
+render="xvfb-run -a /usr/bin/python3 tools/render_result.py"
+
+"$lithe" run scenes/bunny-drop.yaml -o out/bunny-drop
+$render out/bunny-drop docs/pictures/bunny-drop.png --frames 0,4,5,60 --floor 0 --zoom 1.15
+$render out/bunny-drop docs/pictures/bunny-stress.png --what cut --shrink 0.94 --frames 5 --size 640x520
+
+mkdir -p out/bunny-sliced
+"$lithe" mesh scenes/bunny-drop.yaml -o out/bunny-sliced/fields_0000.vtu --set bodies.0.method.cells=16
+$render out/bunny-sliced docs/pictures/bunny-sliced.png --what cut --shrink 0.9 --colour none --frames 0 \
+  --size 640x560 --zoom 1.2
+
+"$lithe" run scenes/cantilever.yaml -o out/cantilever
+$render out/cantilever docs/pictures/cantilever.png --what elements --shrink 0.97 --up z --azimuth 15 --frames 0 \
+  --size 640x420
