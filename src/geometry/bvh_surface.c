@@ -61,6 +61,7 @@ static bool project_inside(const double a[3], const double b[3], const double c[
 
 int lth_closest_on_triangle(const double a[3], const double b[3], const double c[3],
                             const double x[3], double closest[3]) {
+  lth_v3_copy(a, closest); // where x is not a number
   if (project_inside(a, b, c, x, closest)) return 6;
   const double *p[3] = {a, b, c};
   double best = INFINITY;

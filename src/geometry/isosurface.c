@@ -46,6 +46,7 @@ static double lattice_value(const Lattice *g, LitheIndex i, LitheIndex j, LitheI
 
 static void fill_layer(LitheCtx *ctx, const Lattice *g, LitheIndex k, double *value,
                        LitheIndex *edge) {
+  LITHE_ASSERT(value && edge);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex j = 0; j < g->n[1]; j++)
     for (LitheIndex i = 0; i < g->n[0]; i++) {

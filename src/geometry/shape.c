@@ -132,7 +132,6 @@ static void surface_bounds(const LthSurface *s, double min[3], double max[3]) {
 
 /// Bounds of a union (grow) or an intersection (shrink) of the children.
 static void children_bounds(const LthShape *s, bool is_union, double min[3], double max[3]) {
-  for (int i = 0; i < 3; i++) min[i] = max[i] = 0;
   for (LitheIndex c = 0; c < s->n_children; c++) {
     double low[3], high[3];
     lth_shape_bounds(&s->children[c], low, high);
@@ -145,6 +144,7 @@ static void children_bounds(const LthShape *s, bool is_union, double min[3], dou
 }
 
 void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
+  for (int i = 0; i < 3; i++) min[i] = max[i] = 0;
   switch (s->kind) {
   case LTH_SHAPE_BOX:
     lth_v3_copy(s->a, min);

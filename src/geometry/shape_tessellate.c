@@ -210,7 +210,7 @@ static LitheStatus add_ring(Rings *r, double along, double radius, LitheIndex co
 
 /// Points of a ring that shrinks from the full radius' n: a multiple of four, never fewer than four.
 static LitheIndex ring_count(LitheIndex n, double fraction) {
-  LitheIndex quarters = (LitheIndex)lround(n / 4 * fraction);
+  LitheIndex quarters = (LitheIndex)lround(0.25 * n * fraction);
   return 4 * (quarters > 1 ? quarters : 1);
 }
 
@@ -231,7 +231,7 @@ static LitheStatus add_end(Rings *r, const LthShape *s, double along, bool start
 
 static LitheStatus build_round_bar(Builder *b, const LthShape *s, double resolution) {
   Rings r = {.b = b};
-  LitheIndex around, rows, k;
+  LitheIndex around = 0, rows = 0, k = 0;
   lth_v3_copy(s->a, r.from);
   lth_v3_sub(s->b, s->a, r.d);
   double length = lth_v3_normalize(r.d);
