@@ -71,6 +71,36 @@ with folder() as d:
     expect("mesh_reports_and_writes", report["elements"] == 5 and report["inner_faces"] == 4 and
            os.path.exists(os.path.join(d, "mesh.vtu")), report)
 
+# a linear field, prescribed all round, is met to rounding, on sliced elements of a body in any place
+PATCH = """lithe: 1
+bodies:
+  - name: ball
+    shape: {sphere: {center: [0, 0, 0], radius: 1}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: 3, degree: 1}
+    constraints:
+      - {where: all, displacement: ["0.01*x + 0.02*y", "-0.01*y", "0.03*z - 0.01*x"]}
+time: {kind: static}
+solver: {linear: cholesky, tolerance: 1e-12}
+exact:
+  displacement: ["0.01*x + 0.02*y", "-0.01*y", "0.03*z - 0.01*x"]
+output: {every: last, fields: [none]}
+"""
+with folder() as d:
+    write(d, PATCH, "patch.yaml")
+    got = run("run", "patch.yaml", "--json", cwd=d)
+    error = json.loads(got.stdout)["error"] if got.returncode == 0 else {}
+    # 1e-9 of the displacement; h1 also carries the differences' 1e-9
+    expect("a_linear_field_has_no_error", error and error["l2"] < 1e-10 and error["linf"] < 1e-10 and
+           error["l1"] < 1e-10 and error["h1"] < 1e-9, (error, got.stderr))
+    off = run("run", "patch.yaml", "--json", "--set", "exact.displacement=['0.01*x + 0.02*y','-0.01*y','0.03*z']", cwd=d)
+    error = json.loads(off.stdout)["error"] if off.returncode == 0 else {}
+    # |e| = 0.01 |x|: over the unit ball, l1 = 0.01 pi/2, l2^2 = 1e-4 4 pi/15, h1^2 = 1e-4 4 pi/3
+    near = lambda got, want: abs(got - want) < 0.02 * want
+    expect("error_norms_are_integrals_over_the_body", error and near(error["l1"], 0.01 * 3.14159 / 2) and
+           near(error["l2"], 0.01 * (4 * 3.14159 / 15) ** 0.5) and near(error["h1"], 0.01 * (4 * 3.14159 / 3) ** 0.5) and
+           0.0095 < error["linf"] <= 0.01, (error, off.stderr))
+
 # ways to fail: the message says what, where and what helps
 with folder() as d:
     write(d, BEAM)
