@@ -7,7 +7,7 @@
 #define AUTO_SPOT 0.004    ///< ... on this part of the size squared
 
 /// Stiffer than the cells behind the surface by AUTO_MODULUS, and stiff enough to carry the weight on a
-/// spot: equation (8).
+/// spot: equation (6).
 static double auto_stiffness(const LthContactDef *d) {
   double size = d->body_size > 0 ? d->body_size : 1, cell = d->cell_size > 0 ? d->cell_size : size;
   double elastic = AUTO_MODULUS * d->modulus / cell;

@@ -67,7 +67,7 @@ struct LthContact {
 /// Set D and r of a touching point from its state.
 void lth_touch_linearize(const LthContact *contact, LthTouch *touch);
 
-/// Set trial and spring of a touching point for velocity v, by its limit: equation (6).
+/// Set trial and spring of a touching point for velocity v, by its limit: equation (3).
 void lth_touch_stretch(const LthContact *contact, LthTouch *touch, const double v[3]);
 
 /// Make room for the index of as many active points as there are touching ones.

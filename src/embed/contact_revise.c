@@ -34,7 +34,7 @@ void lth_touch_stretch(const LthContact *c, LthTouch *touch, const double v[3]) 
   if (touch->stiffness * stretch > touch->limit) touch->spring = touch->limit / stretch;
 }
 
-/// Normal force that the last solve means at a point, equation (2).
+/// Normal force that the last solve means at a point, equation (1).
 static double normal_force(const LthContact *c, LthTouch *touch, const double v[3]) {
   double closing = lth_v3_dot(touch->normal, v) - lth_v3_dot(touch->normal, touch->velocity);
   touch->gap_end = touch->gap + c->dt * lth_v3_dot(touch->normal, v);

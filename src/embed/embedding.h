@@ -15,7 +15,7 @@ typedef enum LthSamples {
 /// displacement(v) = sum over e in [off[v], off[v + 1]) of weight[e] * s(sample[e]), where
 /// s(i) = sum over e in [sample_off[i], sample_off[i + 1]) of sample_weight[e] * u[sample_func[e]]
 /// is the average (eq. 30) of the elements around sample i. The product of the two is W of eq. 32; kept
-/// apart they take a tenth of its memory and time. Immutable, but for the scratch of lth_embedding_apply().
+/// apart they take a quarter to a tenth of its memory and time. Immutable but for the scratch of lth_embedding_apply().
 typedef struct LthEmbedding {
   const LthDgSpace *space; ///< borrowed for life
   LitheIndex n_points, n_samples;

@@ -63,9 +63,10 @@ static double turn(const Tracer *t, LitheIndex a, LitheIndex b, LitheIndex c) {
 
 /// The edge to follow after edge e, -1 where the loop that began with `start` closes.
 static LitheIndex next_edge(const Tracer *t, LitheIndex e, LitheIndex start) {
-  LitheIndex at = t->edge[2 * e + 1], first = first_from(t, at), best = -1;
+  LitheIndex at = t->edge[2 * e + 1], first = first_from(t, at), best = start;
   double best_turn = INFINITY;
-  if (first + 1 == t->n || t->edge[2 * first + 2] != at) return first == start ? -1 : first;
+  bool is_only = first + 1 == t->n || (first < t->n && t->edge[2 * first + 2] != at);
+  if (is_only) return first == start ? -1 : first;
   for (LitheIndex i = first; i < t->n && t->edge[2 * i] == at; i++) {
     if (t->used[i] && i != start) continue;
     double angle = t->axis < 3 ? turn(t, t->edge[2 * e], at, t->edge[2 * i + 1]) : (double)i;
