@@ -234,6 +234,23 @@ static void checks_shapes(void **state) {
                                       "expression alone; expected {value, min, max}, or "
                                       "method.grid");
   EXPECT_OVERRIDE_ERROR(
+      SHAPE("sphere: {center: [1e200, 0, 0], radius: 1}"),
+      "--set bodies.0.shape={sphere: {center: [1e200, 0, 0], radius: 1}}: bodies.0.shape: no size "
+      "that can "
+      "be computed with, got 2 m at up to 1e+200 m from the origin; expected a body from "
+      "1e-12 m on within 1e+12 m");
+  EXPECT_OVERRIDE_ERROR(
+      SHAPE("union: [{sphere: {center: [0, 0, 0], radius: 1}, resolution: 1}]"),
+      SAYS("union: [{sphere: {center: [0, 0, 0], radius: 1}, resolution: 1}]") "union.0.resolution:"
+                                                                               " it belongs to the "
+                                                                               "whole shape, got "
+                                                                               "it in a part; "
+                                                                               "expected it "
+                                                                               "beside the "
+                                                                               "outermost union, "
+                                                                               "intersection or "
+                                                                               "difference");
+  EXPECT_OVERRIDE_ERROR(
       SHAPE("mesh: {file: nothing.obj, unit: kg}"),
       SAYS("mesh: {file: nothing.obj, unit: kg}") "mesh.file: cannot be read: No such file "
                                                   "or directory, got \"nothing.obj\"; expected a "
@@ -285,6 +302,10 @@ static void checks_what_belongs_together(void **state) {
       "time={dynamic: {duration: 1}}",
       "--set time={dynamic: {duration: 1}}: time.dynamic.step: missing; expected a number > "
       "0 [s]");
+  EXPECT_OVERRIDE_ERROR(
+      "time={kind: dynamic, duration: 1e6, step: 1 us}",
+      "--set time={kind: dynamic, duration: 1e6, step: 1 us}: time.step: too many steps, got "
+      "1e+12 in 1e+06 s; expected at most 1e+09: a longer step or a shorter duration");
   EXPECT_OVERRIDE_ERROR(
       "output.fields=[vtu, none]",
       "--set output.fields=[vtu, none]: output.fields: none stands beside formats, got a "
