@@ -52,12 +52,12 @@ typedef void (*LitheProgressFn)(void *user, const char *phase, double fraction);
 
 /// What a context is made from. Start from lithe_ctx_def_default().
 typedef struct LitheCtxDef {
-  int threads;                ///< 0: all cores
-  LitheProgressFn progress;   ///< may be NULL
-  void *progress_user;        ///< passed to `progress`
+  int threads;                                                   ///< 0: all cores
+  LitheProgressFn progress;                                      ///< may be NULL
+  void *progress_user;                                           ///< passed to `progress`
   void *(*allocate)(void *user, size_t alignment, size_t bytes); ///< NULL: aligned_alloc
   void (*release)(void *user, void *block);                      ///< NULL: free
-  void *memory_user;          ///< passed to `allocate` and `release`
+  void *memory_user; ///< passed to `allocate` and `release`
 } LitheCtxDef;
 
 LITHE_API LitheCtxDef lithe_ctx_def_default(void);

@@ -53,7 +53,8 @@ int lithe_status_exit(LitheStatus status) {
 #define STRING(x) STRING_(x)
 
 const char *lithe_version(void) {
-  return STRING(LITHE_VERSION_MAJOR) "." STRING(LITHE_VERSION_MINOR) "." STRING(LITHE_VERSION_PATCH);
+  return STRING(LITHE_VERSION_MAJOR) "." STRING(LITHE_VERSION_MINOR) "." STRING(
+      LITHE_VERSION_PATCH);
 }
 
 static void *default_allocate(void *user, size_t alignment, size_t bytes) {

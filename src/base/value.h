@@ -5,7 +5,7 @@
 
 /// Zero-initialised it is the constant 0. `self` is borrowed and must outlive the value.
 typedef struct LthValue {
-  double constant;                                                       ///< where eval is NULL
+  double constant;                                               ///< where eval is NULL
   double (*eval)(const void *self, const double x[3], double t); ///< thread-safe; x [m], t [s]
   const void *self;
 } LthValue;

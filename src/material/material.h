@@ -11,9 +11,9 @@ typedef enum LthMaterialModel {
 
 typedef struct LthMaterial {
   LthMaterialModel model;
-  LthValue young;          ///< [Pa]
-  LthValue poisson;        ///< [-], below 0.5
-  LthValue density;        ///< [kg/m^3]
+  LthValue young;           ///< [Pa]
+  LthValue poisson;         ///< [-], below 0.5
+  LthValue density;         ///< [kg/m^3]
   double damping_mass;      ///< Rayleigh a [1/s]
   double damping_stiffness; ///< Rayleigh b [s]
   double yield_strength;    ///< [Pa], 0: not given

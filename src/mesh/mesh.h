@@ -12,24 +12,25 @@
 /// different planes, or apart in one plane). face_tag is the surface triangle a boundary face was cut from, else -1.
 typedef struct LthMesh {
   LitheIndex n_points, n_faces, n_cells;
-  double *points;             ///< [m]                                        (n_points x 3)
+  double *points;              ///< [m]                                        (n_points x 3)
   LitheIndex n_surface_points; ///< the first points are those of the sliced surface, in its order
-  uint8_t *point_rank;        ///< number of grid planes through a point: 2 and 3 are coarse nodes (n_points)
-  LitheIndex *face_loop_off;  ///< (n_faces + 1) loops of a face
-  LitheIndex *loop_off;       ///< (n_loops + 1) points of a loop
-  LitheIndex *loop_point;     ///< (loop_off[n_loops])
-  LitheIndex *face_cell;      ///< owner, neighbour or -1                     (n_faces x 2)
-  double *face_normal;        ///< unit                                       (n_faces x 3)
-  double *face_area;          ///< [m^2]                                      (n_faces)
-  double *face_centroid;      ///< [m]                                        (n_faces x 3)
-  LitheIndex *face_tag;       ///< (n_faces)
-  LitheIndex *cell_face_off;  ///< (n_cells + 1) faces of a cell, ascending
+  uint8_t
+      *point_rank; ///< number of grid planes through a point: 2 and 3 are coarse nodes (n_points)
+  LitheIndex *face_loop_off; ///< (n_faces + 1) loops of a face
+  LitheIndex *loop_off;      ///< (n_loops + 1) points of a loop
+  LitheIndex *loop_point;    ///< (loop_off[n_loops])
+  LitheIndex *face_cell;     ///< owner, neighbour or -1                     (n_faces x 2)
+  double *face_normal;       ///< unit                                       (n_faces x 3)
+  double *face_area;         ///< [m^2]                                      (n_faces)
+  double *face_centroid;     ///< [m]                                        (n_faces x 3)
+  LitheIndex *face_tag;      ///< (n_faces)
+  LitheIndex *cell_face_off; ///< (n_cells + 1) faces of a cell, ascending
   LitheIndex *cell_face;
-  double *cell_volume;        ///< [m^3]                                      (n_cells)
-  double *cell_centroid;      ///< [m]                                        (n_cells x 3)
-  double *cell_box;           ///< bounding box min, max [m]                  (n_cells x 6)
-  double cell_size;           ///< typical edge of a full cell [m]
-  LitheIndex n_merged;        ///< slivers that were merged into a neighbour
+  double *cell_volume;   ///< [m^3]                                      (n_cells)
+  double *cell_centroid; ///< [m]                                        (n_cells x 3)
+  double *cell_box;      ///< bounding box min, max [m]                  (n_cells x 6)
+  double cell_size;      ///< typical edge of a full cell [m]
+  LitheIndex n_merged;   ///< slivers that were merged into a neighbour
 } LthMesh;
 
 void lth_mesh_destroy(LitheCtx *ctx, LthMesh **mesh);
@@ -47,9 +48,9 @@ static inline double lth_mesh_side(const LthMesh *mesh, LitheIndex f, LitheIndex
 typedef struct LthMeshDef {
   LitheIndex n_points, n_faces, n_cells, n_surface_points;
   const double *points;
-  const uint8_t *point_rank;        ///< NULL: all 3
+  const uint8_t *point_rank; ///< NULL: all 3
   const LitheIndex *face_loop_off, *loop_off, *loop_point, *face_cell;
-  const LitheIndex *face_tag;       ///< NULL: all -1
+  const LitheIndex *face_tag; ///< NULL: all -1
   double cell_size;
   LitheIndex n_merged;
 } LthMeshDef;

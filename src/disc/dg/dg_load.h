@@ -17,7 +17,7 @@ typedef struct LthLoad {
   const LthPatches *patches; ///< borrowed for life; NULL for body forces
   LthValue value[3];
   LthValue stress[9];
-  bool follower;             ///< pressure that turns and stretches with the surface
+  bool follower; ///< pressure that turns and stretches with the surface
 } LthLoad;
 
 /// f (n_dofs) += the forces at time t; x is needed for followers only. [N]
