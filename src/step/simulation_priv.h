@@ -23,9 +23,17 @@ struct LthSimulation {
   int freedom;     // 1: no constraint resists translations, -1: some does, 0: not known yet
 
   const LthEngine *engine;
-  LthFactor *factor;                   // analysed when first needed
-  bool use_cholesky;                   // decided for the present kind of solve
-  bool static_chosen, static_cholesky; // what `auto` took for equilibria
+  LthFactor *factor;  // analysed when first needed
+  bool use_cholesky;  // decided for the present kind of solve
+  bool static_chosen; // what `auto` took for equilibria: PCG for this reason, or Cholesky
+  const char *static_reason;
+  double cost[2][2]; // dynamic steps, without and with contact: PCG, kept factor
+  LitheIndex n_tallied[2];
+  bool no_lag;                            // no factor can be used
+  bool fresh, stale;                      // made in this step; to be made again
+  double factor_cm, factor_ck;            // of what matrix
+  LitheIndex fresh_iterations, age, life; // age in steps, and that which the factor before reached
+  double age_cost;                        // of the iterations that its age has added
 
   double *x_rest, *x, *v, *u; // coefficients                                        (n)
   double *mass;               // per function [kg]
@@ -69,8 +77,13 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
 /// Factor or precondition A as it stands (without contact).
 LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s);
 
+/// The same in dynamic steps, where `auto` keeps a factor of cm M + ck K over several steps as a preconditioner
+/// until the iterations that its age adds have cost as much as a new one.
+LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double cm, double ck);
+
 /// Solve A solution = base (+ contact) from the solution given, until |r| <= tolerance |b|; strong cells
-/// end at `driven`. `position` (u) is where contact is looked for again after a solve.
+/// end at `driven`. Contact
+/// is revised after each solve, and the system solved again while its set changes.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
 /// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.

@@ -98,7 +98,8 @@ static void move(LthSimulation *s, double h) {
 }
 
 LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
-  const double a = s->body.damping_mass, b = s->body.damping_stiffness, t1 = s->t + dt;
+  const double cm = 1 + dt * s->body.damping_mass, ck = dt * dt + dt * s->body.damping_stiffness;
+  const double t1 = s->t + dt;
   if (!(dt > 0) || !isfinite(dt))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "time.step: expected a positive number of seconds, got %g",
                dt);
@@ -108,11 +109,11 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
   momentum_balance(s, dt);
   damp_moving_constraints(s, dt);
   LITHE_TRY(lth_step_drive(ctx, s, t1, dt));
-  LITHE_TRY(lth_step_choose(ctx, s, false));
-  lth_step_combine(ctx, s, 1 + dt * a, dt * dt + dt * b);
+  lth_step_combine(ctx, s, cm, ck);
   lth_step_constrain(ctx, s);
   LITHE_TRY(find_contacts(ctx, s, dt));
-  LITHE_TRY(lth_step_factor(ctx, s));
+  LITHE_TRY(lth_step_choose(ctx, s, false));
+  LITHE_TRY(lth_step_factor_lagged(ctx, s, cm, ck));
 
   memcpy(s->solution, s->v, sizeof *s->v * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, s->options.tolerance));
