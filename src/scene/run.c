@@ -52,6 +52,7 @@ static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
       LITHE_TRY(lth_simulation_equilibrium(ctx, run->body->sim,
                                            begin + (end - begin) * (double)(i + 1) / (double)n));
   }
+  lth_simulation_set_time(run->body->sim, end);
   return LITHE_OK;
 }
 

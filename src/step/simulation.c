@@ -115,6 +115,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
 double *lth_simulation_position(LthSimulation *s) { return s->x; }
 double *lth_simulation_velocity(LthSimulation *s) { return s->v; }
 double lth_simulation_time(const LthSimulation *s) { return s->t; }
+void lth_simulation_set_time(LthSimulation *sim, double t) { sim->t = t; }
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *s) { return s->A; }
 const LthStepReport *lth_simulation_report(const LthSimulation *s) { return &s->report; }
 

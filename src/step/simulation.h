@@ -71,6 +71,9 @@ double *lth_simulation_velocity(LthSimulation *sim);
 const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, kept up to date
 
 double lth_simulation_time(const LthSimulation *sim);
+
+/// Put the clock where the steps were meant to lead [s]: sums of equal steps drift by rounding.
+void lth_simulation_set_time(LthSimulation *sim, double t);
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
 /// One linearly implicit Euler step of length dt:
