@@ -1,6 +1,7 @@
 /// Rigid motions that no constraint resists: the null space of K on the six of every connected part.
 #include "step/free_motion.h"
 
+#include "base/eigen.h"
 #include "base/tensor.h"
 
 #include <math.h>
@@ -104,29 +105,6 @@ static void add_gram(const LthBlockMatrix *K, const LitheIndex *part_of, const d
   }
 }
 
-/// Eigenvalues and vectors (columns of V) of a symmetric 6x6 matrix by Jacobi rotations.
-static void eigen6(double A[36], double V[36]) {
-  for (int i = 0; i < 36; i++) V[i] = i % 7 == 0;
-  for (int sweep = 0; sweep < 30; sweep++)
-    for (int p = 0; p < 6; p++)
-      for (int q = p + 1; q < 6; q++) {
-        if (A[6 * p + q] == 0) continue;
-        double theta = (A[7 * q] - A[7 * p]) / (2 * A[6 * p + q]);
-        double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
-        double c = 1 / sqrt(t * t + 1), s = t * c;
-        for (int k = 0; k < 6; k++) {
-          double kp = A[6 * k + p], kq = A[6 * k + q];
-          A[6 * k + p] = c * kp - s * kq, A[6 * k + q] = s * kp + c * kq;
-          double vp = V[6 * k + p], vq = V[6 * k + q];
-          V[6 * k + p] = c * vp - s * vq, V[6 * k + q] = s * vp + c * vq;
-        }
-        for (int k = 0; k < 6; k++) {
-          double pk = A[6 * p + k], qk = A[6 * q + k];
-          A[6 * p + k] = c * pk - s * qk, A[6 * q + k] = s * pk + c * qk;
-        }
-      }
-}
-
 static void append(char text[LTH_FREE_MOTION_TEXT], const char *more) {
   size_t length = strlen(text);
   snprintf(text + length, LTH_FREE_MOTION_TEXT - length, "%s%s", length ? ", " : "", more);
@@ -177,12 +155,12 @@ static void take_out(double N[36], const double q[6]) {
 /// Number of free motions of a part, named: first translations, then pure rotations about the axes
 /// through the centre, then whatever is left.
 static int name_free_motions(const Part *p, char text[LTH_FREE_MOTION_TEXT]) {
-  double A[36], V[36], N[36] = {0};
+  double A[36], value[6], V[36], N[36] = {0};
   int count = 0;
   memcpy(A, p->gram, sizeof A);
-  eigen6(A, V);
+  lth_symmetric_eigen(6, A, value, V);
   for (int k = 0; k < 6; k++) {
-    if (A[7 * k] > NOTHING * (double)p->rows) continue;
+    if (value[k] > NOTHING * (double)p->rows) continue;
     count++;
     for (int i = 0; i < 36; i++) N[i] += V[6 * (i / 6) + k] * V[6 * (i % 6) + k];
   }

@@ -71,6 +71,9 @@ LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h);
 /// A = cm M + ck A, in place.
 void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck);
 
+/// y = 0 in strong cells.
+void lth_step_zero_strong(const LthSimulation *s, double *y);
+
 /// base -= A driven; rows and columns of strong cells become those of the identity.
 void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
 

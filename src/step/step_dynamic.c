@@ -11,10 +11,9 @@ static void momentum_balance(LthSimulation *s, double h) {
 
 /// Damping acts on the strain rate only: constraints that move carry the damped forces with them,
 /// base += b (f0(t + h) - f0(t)).
-static void damp_moving_constraints(LthSimulation *s, double h) {
+static void damp_moving_constraints(LthSimulation *s) {
   double b = s->body.damping_stiffness;
   if (b == 0) return;
-  (void)h;
   lth_dg_assemble_load(s->body.op, s->t, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) s->base[i] += b * (s->f0[i] - s->scratch[i]);
 }
@@ -103,11 +102,11 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
   if (!(dt > 0) || !isfinite(dt))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "time.step: expected a positive number of seconds, got %g",
                dt);
-  if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+  if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
 
   LITHE_TRY(lth_step_assemble(ctx, s, t1));
   momentum_balance(s, dt);
-  damp_moving_constraints(s, dt);
+  damp_moving_constraints(s);
   LITHE_TRY(lth_step_drive(ctx, s, t1, dt));
   lth_step_combine(ctx, s, cm, ck);
   lth_step_constrain(ctx, s);

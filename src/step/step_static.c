@@ -36,13 +36,6 @@ static double stiffness_per_mass(const LthSimulation *s) {
   return mass > 0 ? stiffness / mass : 0;
 }
 
-static void clear_strong(const LthSimulation *s, double *y) {
-  for (LitheIndex cell = 0; s->has_strong && cell < s->A->n_rows; cell++)
-    for (LitheCount i = lth_cell_first(s, cell);
-         lth_is_strong(s, cell) && i < lth_cell_first(s, cell + 1); i++)
-      y[i] = 0;
-}
-
 /// Contact at rest, as a step of length one that ends at t: its forces then come unscaled.
 static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, double t, double *f) {
   LitheIndex n_active = 0;
@@ -74,7 +67,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   double all = lth_step_norm(ctx, s->n, s->force);
 
   for (LitheCount i = 0; i < s->n; i++) s->rhs[i] += s->force[i];
-  clear_strong(s, s->rhs);
+  lth_step_zero_strong(s, s->rhs);
   q->residual = lth_step_norm(ctx, s->n, s->rhs);
   double held = s->has_strong ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
   q->scale = force_scale(ctx, s, q->t, held, contact);
@@ -140,7 +133,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     }
     if (!plain && it == 0) q->damping = DAMPING_START * (unit = stiffness_per_mass(s));
     if (!plain && it > 0) adapt_damping(q, before, unit);
-    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LitheStatus status = correct(ctx, s, q, plain, inner);
     if (status == LITHE_NOT_CONVERGED && plain && s->body.warped) return LITHE_OK;
     LITHE_TRY(status);

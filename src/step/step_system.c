@@ -54,7 +54,7 @@ void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck) {
   }
 }
 
-static void zero_strong(const LthSimulation *s, double *y) {
+void lth_step_zero_strong(const LthSimulation *s, double *y) {
   for (LitheIndex cell = 0; s->has_strong && cell < s->A->n_rows; cell++)
     if (lth_is_strong(s, cell))
       memset(y + lth_cell_first(s, cell), 0,
@@ -79,7 +79,7 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
   if (!s->has_strong) return;
   lth_block_matrix_apply(s->A, lth_threads(ctx), s->driven, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) s->base[i] -= s->scratch[i];
-  zero_strong(s, s->base);
+  lth_step_zero_strong(s, s->base);
   for (LitheIndex row = 0; row < s->A->n_rows; row++) constrain_row(s, row);
 }
 
@@ -88,19 +88,23 @@ static void apply_system(const void *self, int threads, const double *x, double 
   lth_block_matrix_apply(s->A, threads, x, y);
   if (!s->contact_on) return;
   lth_contact_apply(s->body.contact, x, y);
-  zero_strong(s, y);
+  lth_step_zero_strong(s, y);
 }
 
+/// The factor as a preconditioner; operators cannot fail, so a failure is kept until the solve is over.
 typedef struct Inverse {
   LitheCtx *ctx;
   const LthSimulation *s;
+  LitheStatus *status;
 } Inverse;
 
 static void apply_factor(const void *self, int threads, const double *x, double *y) {
   const Inverse *inverse = self;
   (void)threads;
-  if (inverse->s->engine->solve(inverse->ctx, inverse->s->factor, x, y) != LITHE_OK)
-    memcpy(y, x, sizeof *y * (size_t)inverse->s->n);
+  LitheStatus status = inverse->s->engine->solve(inverse->ctx, inverse->s->factor, x, y);
+  if (status == LITHE_OK) return;
+  *inverse->status = status;
+  memset(y, 0, sizeof *y * (size_t)inverse->s->n); // a direction without energy ends the iteration
 }
 
 static LitheStatus analyse(LitheCtx *ctx, LthSimulation *s) {
@@ -254,7 +258,7 @@ static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
     memset(s->scratch, 0, sizeof *s->scratch * (size_t)s->n);
     lth_contact_apply(s->body.contact, s->driven, s->scratch);
     for (LitheCount i = 0; i < s->n; i++) s->rhs[i] -= s->scratch[i];
-    zero_strong(s, s->rhs);
+    lth_step_zero_strong(s, s->rhs);
   }
   if (s->use_cholesky) return LITHE_OK;
   memset(s->extra, 0, sizeof *s->extra * (size_t)s->n_extra);
@@ -268,18 +272,23 @@ static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
   return lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra);
 }
 
-static LthSolveReport solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance) {
-  if (!s->use_cholesky && !s->contact_on)
-    return lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
-                               tolerance, s->options.max_iterations);
-  Inverse inverse = {ctx, s};
+static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
+                              LthSolveReport *report) {
+  LitheStatus status = LITHE_OK;
+  if (!s->use_cholesky && !s->contact_on) {
+    *report = lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
+                                  tolerance, s->options.max_iterations);
+    return LITHE_OK;
+  }
+  Inverse inverse = {ctx, s, &status};
   LthOperator A = {.n = s->n, .apply = apply_system, .self = s};
   LthOperator M = s->use_cholesky
                       ? (LthOperator){.n = s->n, .apply = apply_factor, .self = &inverse}
                       : lth_block_jacobi_operator(s->jacobi);
   // the factor is exact but for rounding and contact: one or a few iterations
-  return lth_cg_solve(s->cg, lth_threads(ctx), &A, &M, s->rhs, s->solution, tolerance,
-                      s->options.max_iterations);
+  *report = lth_cg_solve(s->cg, lth_threads(ctx), &A, &M, s->rhs, s->solution, tolerance,
+                         s->options.max_iterations);
+  return status;
 }
 
 static void add_driven(const LthSimulation *s) {
@@ -289,8 +298,9 @@ static void add_driven(const LthSimulation *s) {
 /// Solve with the contact set as it stands.
 static LitheStatus solve_pass(LitheCtx *ctx, LthSimulation *s, double tolerance, bool *converged) {
   LITHE_TRY(add_contact(ctx, s));
-  zero_strong(s, s->solution);
-  LthSolveReport r = solve_once(ctx, s, tolerance);
+  lth_step_zero_strong(s, s->solution);
+  LthSolveReport r;
+  LITHE_TRY(solve_once(ctx, s, tolerance, &r));
   add_driven(s);
   s->report.linear_iterations += r.iterations;
   s->report.linear_total += r.iterations;
