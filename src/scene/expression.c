@@ -5,6 +5,7 @@
 #include "scene/report.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <muParserDLL.h>
 #include <omp.h>
 #include <stdatomic.h>
@@ -17,8 +18,10 @@
 
 typedef struct Copy {
   _Alignas(64) atomic_flag busy;
+  bool has_gap;
   muParserHandle_t parser;
   double variables[4];
+  LthExpressionGap gap;
 } Copy;
 
 struct LthExpression {
@@ -210,12 +213,39 @@ static Copy *take_copy(LthExpression *e) {
   }
 }
 
+/// By time, then by place.
+static bool is_earlier(const LthExpressionGap *a, const LthExpressionGap *b) {
+  if (a->t != b->t) return a->t < b->t;
+  for (int i = 0; i < 3; i++)
+    if (a->x[i] != b->x[i]) return a->x[i] < b->x[i];
+  return false;
+}
+
+static void note_gap(Copy *copy, double value) {
+  const double *v = copy->variables;
+  LthExpressionGap gap = {.x = {v[0], v[1], v[2]}, .t = v[3], .value = value};
+  if (!copy->has_gap || is_earlier(&gap, &copy->gap)) copy->gap = gap;
+  copy->has_gap = true;
+}
+
+bool lth_expression_gap(const LthExpression *e, LthExpressionGap *gap) {
+  bool has_gap = false;
+  for (int i = 0; i < e->n_copies; i++) {
+    const Copy *copy = &e->copies[i];
+    if (!copy->has_gap || (has_gap && !is_earlier(&copy->gap, gap))) continue;
+    *gap = copy->gap;
+    has_gap = true;
+  }
+  return has_gap;
+}
+
 double lth_expression_eval(const void *self, const double x[3], double t) {
   LthExpression *e = (LthExpression *)self; // the pool inside is guarded by its flags
   Copy *copy = take_copy(e);
   memcpy(copy->variables, x, 3 * sizeof *x);
   copy->variables[3] = t;
   double value = mupEval(copy->parser) * e->scale;
+  if (!isfinite(value)) note_gap(copy, value);
   atomic_flag_clear_explicit(&copy->busy, memory_order_release);
   return value;
 }

@@ -30,3 +30,12 @@ void lth_expression_scale(LthExpression *expression, double factor);
 /// The value at x, t; NaN where it is not defined. Fits LthValue.eval with `self` an LthExpression.
 /// Threads do not wait for each other unless there are more than compiled copies.
 double lth_expression_eval(const void *self, const double x[3], double t);
+
+/// Where a value was infinite or undefined.
+typedef struct LthExpressionGap {
+  double x[3], t, value;
+} LthExpressionGap;
+
+/// The earliest such place among all evaluations so far (at equal times the smallest x, y, z, so that it
+/// does not depend on the threads); false where every value was finite.
+bool lth_expression_gap(const LthExpression *expression, LthExpressionGap *gap);

@@ -9,7 +9,7 @@
 #include <string.h>
 
 void lth_expression_list_free(LitheCtx *ctx, LthExpressionList *list) {
-  for (LitheCount i = 0; i < list->n; i++) lth_expression_destroy(ctx, &list->items[i]);
+  for (LitheCount i = 0; i < list->n; i++) lth_expression_destroy(ctx, &list->items[i].expression);
   lth_free(ctx, list->items);
   *list = (LthExpressionList){0};
 }
@@ -127,10 +127,32 @@ static void report_variables(LthReport *report, LthNode *node, int may_use, int 
     lth_report(report, node, "it varies with %s, got %s; expected a constant", names[k], shown);
 }
 
-static LitheStatus keep_expression(LitheCtx *ctx, LthExpressionList *list, LthExpression *e) {
+static LitheStatus keep_expression(LitheCtx *ctx, LthReport *report, LthExpressionList *list,
+                                   const LthNode *node, LthExpression *e) {
   LTH_RESERVE(ctx, list->items, list->cap, list->n + 1);
-  list->items[list->n++] = e;
+  list->items[list->n++] = (LthSceneExpression){.expression = e,
+                                                .place = lth_report_place(report, node),
+                                                .text = lth_show(report->arena, node)};
   return LITHE_OK;
+}
+
+LitheStatus lth_expression_list_check(LitheCtx *ctx, const LthExpressionList *list) {
+  for (LitheCount i = 0; i < list->n; i++) {
+    const LthSceneExpression *e = &list->items[i];
+    LthExpressionGap gap;
+    if (e->may_have_gaps || !lth_expression_gap(e->expression, &gap)) continue;
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: %s at (%g, %g, %g), t = %g, got %s; expected a finite number", e->place,
+               isnan(gap.value) ? "not a number" : "infinite", gap.x[0], gap.x[1], gap.x[2], gap.t,
+               e->text);
+  }
+  return LITHE_OK;
+}
+
+void lth_expression_list_allow_gaps(LthExpressionList *list, const LthValue *value) {
+  for (LitheCount i = 0; i < list->n; i++)
+    if (value->eval && list->items[i].expression == value->self)
+      list->items[i].may_have_gaps = true;
 }
 
 static LitheStatus parse_expression(LitheCtx *ctx, LthReport *report, LthExpressionList *list,
@@ -155,7 +177,7 @@ static LitheStatus parse_expression(LitheCtx *ctx, LthReport *report, LthExpress
     return LITHE_OK;
   }
   if (lth_expression_uses(e)) {
-    status = keep_expression(ctx, list, e);
+    status = keep_expression(ctx, report, list, node, e);
     if (status != LITHE_OK) lth_expression_destroy(ctx, &e);
     node->value = (LthValue){.eval = lth_expression_eval, .self = e};
     return status;

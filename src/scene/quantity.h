@@ -5,11 +5,26 @@
 #include "scene/report.h"
 #include "scene/unit.h"
 
+/// An expression of a scene and where it stands.
+typedef struct LthSceneExpression {
+  LthExpression *expression; ///< owned
+  const char *place;  ///< "scene.yaml:3:5: bodies.0.loads.0.traction.0"; in the scene's arena
+  const char *text;   ///< as shown in messages; there too
+  bool may_have_gaps; ///< implicit shapes: what is undefined is outside
+} LthSceneExpression;
+
 /// Expressions behind the values of a scene; freed together.
 typedef struct LthExpressionList {
-  LthExpression **items;
+  LthSceneExpression *items;
   LitheCount n, cap;
 } LthExpressionList;
+
+/// LITHE_BAD_INPUT where an expression came out infinite or undefined so far: the message names it, the
+/// place and the time.
+LitheStatus lth_expression_list_check(LitheCtx *ctx, const LthExpressionList *list);
+
+/// The expression behind `value` (if it is one) may be undefined somewhere.
+void lth_expression_list_allow_gaps(LthExpressionList *list, const LthValue *value);
 
 void lth_expression_list_free(LitheCtx *ctx, LthExpressionList *list);
 

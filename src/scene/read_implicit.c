@@ -65,6 +65,7 @@ LitheStatus lth_read_implicit(LthReader *r, const LthNode *node, const LthPlacem
     place_box(place, shape->box);
   }
   shape->value = value;
+  lth_expression_list_allow_gaps(&r->owned->expressions, &value);
   bool is_moved = place->rotates || lth_v3_norm(place->translation) > 0;
   if (!is_moved) return LITHE_OK;
   PlacedValue *placed = lth_arena_take(r->arena, sizeof *placed);

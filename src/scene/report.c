@@ -21,6 +21,15 @@ typedef struct Place {
   int line, column;
 } Place;
 
+/// "FILE:LINE:COLUMN: PATH", or as much of it as there is.
+static const char *print_place(const LthReport *report, Place at, const char *path) {
+  LthArena *arena = report->arena;
+  const char *colon = *path ? ": " : "";
+  if (at.origin) return lth_arena_print(arena, "%s%s%s", at.origin, colon, path);
+  if (at.line <= 0) return lth_arena_print(arena, "%s%s%s", report->file, colon, path);
+  return lth_arena_print(arena, "%s:%d:%d%s%s", report->file, at.line, at.column, colon, path);
+}
+
 static void add_entry(LthReport *report, Place at, const char *path, const char *format,
                       va_list args) {
   char text[MESSAGE_MAX];
@@ -31,19 +40,20 @@ static void add_entry(LthReport *report, Place at, const char *path, const char 
   LthArena *arena = report->arena;
   LthReportEntry *entry = lth_arena_take(arena, sizeof *entry);
   if (!entry || !path) return;
-  const char *colon = *path ? ": " : "";
-  if (at.origin)
-    entry->text = lth_arena_print(arena, "%s: %s%s%s", at.origin, path, colon, text);
-  else if (at.line > 0)
-    entry->text = lth_arena_print(arena, "%s:%d:%d: %s%s%s", report->file, at.line, at.column, path,
-                                  colon, text);
-  else
-    entry->text = lth_arena_print(arena, "%s: %s%s%s", report->file, path, colon, text);
+  const char *place = print_place(report, at, path);
+  if (place) entry->text = lth_arena_print(arena, "%s: %s", place, text);
   entry->line = at.origin ? 1 << 30 : at.line;
   entry->column = at.column;
   entry->order = order;
   entry->next = report->first;
   report->first = entry;
+}
+
+const char *lth_report_place(LthReport *report, const LthNode *node) {
+  const char *path = lth_node_path(report->arena, node, NULL);
+  if (!path) return "";
+  const char *place = print_place(report, (Place){node->origin, node->line, node->column}, path);
+  return place ? place : "";
 }
 
 /// The mark is bookkeeping, not content: readers hold their nodes as const.

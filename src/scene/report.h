@@ -35,6 +35,9 @@ void lth_report_at(LthReport *report, int line, int column, const char *format, 
 void lth_report_option(LthReport *report, const char *origin, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/// "FILE:LINE:COLUMN: PATH" of a node; in the report's arena, "" where memory is out.
+const char *lth_report_place(LthReport *report, const LthNode *node);
+
 /// A node's value for a message: scalars quoted as they need, cut and without control characters;
 /// "a list of 3", "a mapping".
 const char *lth_show(LthArena *arena, const LthNode *node);

@@ -37,6 +37,17 @@ typedef struct Run {
   double start;
 } Run;
 
+/// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
+/// of it.
+static LitheStatus step(LitheCtx *ctx, const Run *run, double dt, double to) {
+  LitheStatus status = run->schedule.kind == LTH_TIME_DYNAMIC
+                           ? lth_simulation_step(ctx, run->body->sim, dt)
+                           : lth_simulation_equilibrium(ctx, run->body->sim, to);
+  if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)
+    LITHE_TRY(lth_scene_check_values(ctx, run->scene));
+  return status;
+}
+
 /// From output time k - 1 to output time k.
 static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
   const LthSchedule *s = &run->schedule;
@@ -46,11 +57,8 @@ static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     double done = begin + (end - begin) * (double)i / (double)n;
     lth_progress(ctx, "simulating", s->duration > 0 ? done / s->duration : -1);
-    if (s->kind == LTH_TIME_DYNAMIC)
-      LITHE_TRY(lth_simulation_step(ctx, run->body->sim, (end - begin) / (double)n));
-    else
-      LITHE_TRY(lth_simulation_equilibrium(ctx, run->body->sim,
-                                           begin + (end - begin) * (double)(i + 1) / (double)n));
+    double dt = (end - begin) / (double)n;
+    LITHE_TRY(step(ctx, run, dt, begin + dt * (double)(i + 1)));
   }
   lth_simulation_set_time(run->body->sim, end);
   return LITHE_OK;
@@ -112,6 +120,7 @@ static LitheStatus conclude(LitheCtx *ctx, Run *run, LitheStatus status, LitheRe
   run->times.total = run->times.read + lth_now() - run->start;
   input.times = run->times;
   LITHE_TRY(lth_result_text(ctx, &input, &result->summary, &result->json));
+  LITHE_TRY(lth_scene_check_values(ctx, run->scene)); // of `exact`
   summarise(run, result);
   return LITHE_OK;
 }
@@ -132,6 +141,7 @@ static bool has_result(LitheStatus status) {
 static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
   double spent[2];
   LITHE_TRY(lth_body_create(ctx, run->scene, spent, &run->body));
+  LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   run->times.mesh = spent[0];
   run->times.integrate = spent[1];
   LitheStatus status = lth_output_open(ctx, result->folder, run->body, &run->schedule, &run->out);

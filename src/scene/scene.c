@@ -152,6 +152,11 @@ LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *o
   return status;
 }
 
+LitheStatus lth_scene_check_values(LitheCtx *ctx, const LthScene *scene) {
+  const LthSceneOwned *owned = scene->owned;
+  return owned ? lth_expression_list_check(ctx, &owned->expressions) : LITHE_OK;
+}
+
 static void free_body(LitheCtx *ctx, LthSceneBody *body) {
   lth_shape_free(ctx, &body->shape);
   for (LitheIndex i = 0; i < body->n_materials; i++) lth_where_free(ctx, &body->materials[i].where);

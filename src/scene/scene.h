@@ -141,4 +141,8 @@ LitheStatus lth_scene_read_text(LitheCtx *ctx, const char *name, const char *tex
                                 const char *const *overrides, int n_overrides,
                                 LthSceneErrors *errors, LthScene **scene);
 
+/// LITHE_BAD_INPUT where an expression of the scene has come out infinite or undefined by now; the message
+/// names it, the place and the time.
+LitheStatus lth_scene_check_values(LitheCtx *ctx, const LthScene *scene);
+
 void lth_scene_destroy(LitheCtx *ctx, LthScene **scene);

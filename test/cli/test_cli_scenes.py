@@ -119,5 +119,25 @@ with folder() as d:
     expect("all_errors_of_a_file_come_at_once", got.returncode == 2 and got.stdout == "" and
            len(got.stderr.splitlines()) > 1 and all(x.startswith("bad.yaml:") for x in got.stderr.splitlines()),
            got.stderr)
+
+    # an expression that comes out undefined is named, in whichever step that is
+    load = "    loads:\n      - {where: {normal: [1, 0, 0]}, traction: [0, \"%s\", 0]}\ngravity"
+    write(d, BEAM.replace("gravity", load % "1/(x - 1)"), "gap.yaml")
+    got = run("run", "gap.yaml", cwd=d)
+    expect("an_infinite_load_is_bad_input", got.returncode == 2 and got.stderr.startswith(
+        "lithe: gap.yaml:11:52: bodies.0.loads.0.traction.1: infinite at (1, ") and got.stderr.endswith(
+            ', t = 0, got "1/(x - 1)"; expected a finite number\n'), got.stderr)
+    expect("nothing_wrong_is_called_a_result", not os.path.exists(os.path.join(d, "out", "gap", "result.json")))
+    late = BEAM.replace("gravity", load % "sqrt(0.5 - t)").replace("{kind: static}",
+                                                                  "{kind: quasistatic, steps: 4, duration: 1}")
+    write(d, late, "late.yaml")
+    got = run("run", "late.yaml", cwd=d)
+    expect("a_load_undefined_later_is_bad_input", got.returncode == 2 and
+           "traction.1: not a number at (1, " in got.stderr and "t = 0.75" in got.stderr, got.stderr)
+    motion = BEAM.replace("{kind: static}", "{kind: dynamic, duration: 0.1, step: 0.01}") + \
+        "colliders:\n  - plane: {point: [0, -1, 0], normal: [0, 1, 0], motion: {translate: [0, \"log(0.05 - t)\", 0]}}\n"
+    write(d, motion, "motion.yaml")
+    got = run("run", "motion.yaml", cwd=d)
+    expect("an_undefined_motion_is_bad_input", got.returncode == 2 and "motion.translate.1: " in got.stderr, got.stderr)
     expect("an_unwritable_folder_is_status_4", run("run", "beam.yaml", "-o", "/proc/none", cwd=d).returncode == 4)
 done()

@@ -35,6 +35,27 @@ static void evaluates_what_a_scene_writes(void **state) {
   assert_true(isinf(value_of("1/(x - 0.5)", x, 0)));
 }
 
+static void remembers_the_earliest_gap(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthExpression *e = NULL;
+  LthExpressionError error;
+  LthExpressionGap gap;
+  assert_int_equal(lth_expression_create(ctx, "sqrt(1 - t)/x", 13, &error, &e), LITHE_OK);
+  lth_expression_eval(e, (const double[3]){1, 2, 3}, 0.5);
+  assert_false(lth_expression_gap(e, &gap));
+  lth_expression_eval(e, (const double[3]){4, 5, 6}, 2);
+  lth_expression_eval(e, (const double[3]){0, 8, 9}, 1.5);
+  lth_expression_eval(e, (const double[3]){0, 7, 9}, 0.25);
+  lth_expression_eval(e, (const double[3]){0, 6, 9}, 0.5);
+  assert_true(lth_expression_gap(e, &gap));
+  assert_true(isinf(gap.value));
+  CHECK_NEAR(gap.t, 0.25, 0);
+  CHECK_NEAR(gap.x[1], 7, 0);
+  lth_expression_destroy(ctx, &e);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void check_error(const char *text, int column, const char *message) {
   LitheCtx *ctx = test_ctx();
   LthExpression *e = NULL;
@@ -115,11 +136,9 @@ static void ignores_the_locale(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(evaluates_what_a_scene_writes),
-      cmocka_unit_test(names_the_column_of_an_error),
-      cmocka_unit_test(knows_what_it_depends_on),
-      cmocka_unit_test(serves_many_threads_at_once),
-      cmocka_unit_test(ignores_the_locale),
+      cmocka_unit_test(evaluates_what_a_scene_writes), cmocka_unit_test(remembers_the_earliest_gap),
+      cmocka_unit_test(names_the_column_of_an_error),  cmocka_unit_test(knows_what_it_depends_on),
+      cmocka_unit_test(serves_many_threads_at_once),   cmocka_unit_test(ignores_the_locale),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
