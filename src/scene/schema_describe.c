@@ -1,9 +1,10 @@
 /// Schema nodes in words, for messages.
 #include "scene/schema.h"
 
+#include "io/text.h"
+
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const LthNode *follow_ref(const LthSchema *schema, const LthNode *node) {
@@ -31,7 +32,9 @@ bool lth_schema_lists(const LthNode *list, const char *text) {
 double lth_schema_number(const LthSchema *schema, const LthNode *node, const char *name,
                          double otherwise) {
   const LthNode *keyword = lth_schema_keyword(schema, node, name);
-  return keyword ? strtod(keyword->text, NULL) : otherwise;
+  double value = otherwise;
+  if (keyword) lth_word_number((LthWord){keyword->text, strlen(keyword->text)}, &value);
+  return value;
 }
 
 static const char *join(const LthSchema *schema, const char *a, const char *glue, const char *b) {
