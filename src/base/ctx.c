@@ -16,7 +16,7 @@ struct LitheCtx {
   LitheCtxDef def;
   int threads;
   atomic_bool cancelled;
-  atomic_llong n_allocs, bytes, peak;
+  atomic_llong n_allocs, bytes;
   char message[LTH_MESSAGE_MAX];
   char **warnings;
   LitheIndex n_warnings;
@@ -102,6 +102,7 @@ bool lth_cancelled(const LitheCtx *ctx) { return atomic_load(&ctx->cancelled); }
 LitheStatus lth_fail(LitheCtx *ctx, LitheStatus status, const char *format, ...) {
   va_list args;
   va_start(args, format);
+#pragma omp critical(lth_message)
   vsnprintf(ctx->message, sizeof ctx->message, format, args);
   va_end(args);
   return status;
@@ -113,12 +114,7 @@ static bool has_warning(const LitheCtx *ctx, const char *text) {
   return false;
 }
 
-void lth_warn(LitheCtx *ctx, const char *format, ...) {
-  char text[LTH_MESSAGE_MAX];
-  va_list args;
-  va_start(args, format);
-  vsnprintf(text, sizeof text, format, args);
-  va_end(args);
+static void keep_warning(LitheCtx *ctx, const char *text) {
   if (ctx->n_warnings >= LTH_WARNINGS_MAX || has_warning(ctx, text)) return;
 
   // a warning that finds no memory is dropped: the work itself goes on
@@ -129,11 +125,14 @@ void lth_warn(LitheCtx *ctx, const char *format, ...) {
   if (copy) ctx->warnings[ctx->n_warnings++] = copy;
 }
 
-static void count_bytes(LitheCtx *ctx, long long change) {
-  long long now = atomic_fetch_add(&ctx->bytes, change) + change;
-  long long peak = atomic_load(&ctx->peak);
-  while (now > peak && !atomic_compare_exchange_weak(&ctx->peak, &peak, now)) {
-  }
+void lth_warn(LitheCtx *ctx, const char *format, ...) {
+  char text[LTH_MESSAGE_MAX];
+  va_list args;
+  va_start(args, format);
+  vsnprintf(text, sizeof text, format, args);
+  va_end(args);
+#pragma omp critical(lth_message)
+  keep_warning(ctx, text);
 }
 
 void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
@@ -147,7 +146,7 @@ void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
   memset(head, 0, whole);
   head->bytes = whole;
   atomic_fetch_add(&ctx->n_allocs, 1);
-  count_bytes(ctx, (long long)whole);
+  atomic_fetch_add(&ctx->bytes, (long long)whole);
   return head + 1;
 }
 
@@ -163,13 +162,12 @@ void *lth_realloc(LitheCtx *ctx, void *block, LitheCount old_count, LitheCount c
 void lth_free(LitheCtx *ctx, void *block) {
   if (!block) return;
   BlockHead *head = (BlockHead *)block - 1;
-  count_bytes(ctx, -(long long)head->bytes);
+  atomic_fetch_sub(&ctx->bytes, (long long)head->bytes);
   ctx->def.release(ctx->def.memory_user, head);
 }
 
 LitheCount lth_alloc_count(const LitheCtx *ctx) { return atomic_load(&ctx->n_allocs); }
 LitheCount lth_alloc_bytes(const LitheCtx *ctx) { return atomic_load(&ctx->bytes); }
-LitheCount lth_alloc_peak(const LitheCtx *ctx) { return atomic_load(&ctx->peak); }
 
 LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
   *ptr = lth_alloc(ctx, count, size);
@@ -188,6 +186,13 @@ LitheStatus lth_reserve_(LitheCtx *ctx, void **ptr, LitheCount *cap, LitheCount 
                     (long long)grown_cap, size);
   *ptr = grown;
   *cap = grown_cap;
+  return LITHE_OK;
+}
+
+LitheStatus lth_copy_text(LitheCtx *ctx, const char *text, char **copy) {
+  size_t bytes = strlen(text) + 1;
+  LTH_NEW(ctx, *copy, (LitheCount)bytes);
+  memcpy(*copy, text, bytes);
   return LITHE_OK;
 }
 

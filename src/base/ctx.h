@@ -5,7 +5,8 @@
 
 #include <stdarg.h>
 
-/// Record a failure's message and return its status. Keeps the first LTH_MESSAGE_MAX - 1 bytes.
+/// Record a failure's message and return its status. Keeps the first LTH_MESSAGE_MAX - 1 bytes. This and
+/// lth_warn() may be called from a parallel loop; the last message stays.
 LitheStatus lth_fail(LitheCtx *ctx, LitheStatus status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -26,9 +27,8 @@ void lth_free(LitheCtx *ctx, void *block);
 /// Number of allocations so far; tests compare it before and after a step.
 LitheCount lth_alloc_count(const LitheCtx *ctx);
 
-/// Bytes held now and at most so far.
+/// Bytes held now.
 LitheCount lth_alloc_bytes(const LitheCtx *ctx);
-LitheCount lth_alloc_peak(const LitheCtx *ctx);
 
 /// Number of threads that parallel loops use: `num_threads(lth_threads(ctx))`.
 int lth_threads(const LitheCtx *ctx);
@@ -74,6 +74,9 @@ double lth_now(void);
   LITHE_TRY(lth_reserve_((ctx), (void **)&(ptr), &(cap), (need), sizeof *(ptr)))
 #define LTH_RESERVE_OR(label, ctx, ptr, cap, need)                                                 \
   LITHE_TRY_OR(label, lth_reserve_((ctx), (void **)&(ptr), &(cap), (need), sizeof *(ptr)))
+
+/// A copy of a text, freed by lth_free().
+LitheStatus lth_copy_text(LitheCtx *ctx, const char *text, char **copy);
 
 LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size);
 LitheStatus lth_reserve_(LitheCtx *ctx, void **ptr, LitheCount *cap, LitheCount need, size_t size);

@@ -79,3 +79,20 @@ static inline double lth_m3_det(const double A[9]) {
   return A[0] * (A[4] * A[8] - A[5] * A[7]) - A[1] * (A[3] * A[8] - A[5] * A[6]) +
          A[2] * (A[3] * A[7] - A[4] * A[6]);
 }
+
+/// C = det(A) A^-T; C may not alias A.
+static inline void lth_m3_cofactor(const double A[9], double C[9]) {
+  lth_v3_cross(A + 3, A + 6, C);
+  lth_v3_cross(A + 6, A, C + 3);
+  lth_v3_cross(A, A + 3, C + 6);
+}
+
+/// R turns by `angle` [rad] about the unit vector `axis` (Rodrigues): cos I + (1 - cos) a a^T + sin [a]x.
+static inline void lth_m3_rotation(const double axis[3], double angle, double R[9]) {
+  double c = cos(angle), s = sin(angle);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) R[3 * i + j] = (1 - c) * axis[i] * axis[j] + (i == j ? c : 0);
+  R[1] -= s * axis[2], R[2] += s * axis[1];
+  R[3] += s * axis[2], R[5] -= s * axis[0];
+  R[6] -= s * axis[1], R[7] += s * axis[0];
+}

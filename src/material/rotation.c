@@ -3,22 +3,14 @@
 /// quaternions", J. Opt. Soc. Am. A 4 (1987).
 #include "material/rotation.h"
 
+#include "base/eigen.h"
 #include "base/tensor.h"
 
-#include <float.h>
 #include <stdbool.h>
 
 #define NEWTON_MAX 20
-#define JACOBI_MAX 30
 /// Below this det F / |F|^3 Newton's inverses lose digits, and below 0 it goes to a reflection.
 #define NEWTON_MIN_DET 1e-6
-
-/// C = cofactor matrix of A = det(A) A^-T.
-static void cofactor(const double A[9], double C[9]) {
-  lth_v3_cross(A + 3, A + 6, C);
-  lth_v3_cross(A + 6, A, C + 3);
-  lth_v3_cross(A, A + 3, C + 6);
-}
 
 static double frobenius(const double A[9]) {
   double sum = 0;
@@ -32,7 +24,7 @@ static void newton_polar(const double F[9], double R[9]) {
   bool scaled = true;
   for (int round = 0; round < NEWTON_MAX; round++) {
     double C[9], change = 0;
-    cofactor(R, C);
+    lth_m3_cofactor(R, C);
     double det = lth_v3_dot(R, C);
     double size = frobenius(R), inverse_size = frobenius(C) / det;
     double g = scaled ? sqrt(inverse_size / size) : 1;
@@ -47,53 +39,17 @@ static void newton_polar(const double F[9], double R[9]) {
   }
 }
 
-/// One Jacobi rotation that zeroes N[p][q] of a symmetric 4x4; V gathers the eigenvectors as columns.
-static void jacobi_rotate(double N[4][4], double V[4][4], int p, int q) {
-  double theta = 0.5 * (N[q][q] - N[p][p]) / N[p][q];
-  double t = copysign(1, theta) / (fabs(theta) + sqrt(1 + theta * theta));
-  double c = 1 / sqrt(1 + t * t), s = t * c;
-  for (int k = 0; k < 4; k++) {
-    double a = N[k][p], b = N[k][q];
-    N[k][p] = c * a - s * b, N[k][q] = s * a + c * b;
-  }
-  for (int k = 0; k < 4; k++) {
-    double a = N[p][k], b = N[q][k];
-    N[p][k] = c * a - s * b, N[q][k] = s * a + c * b;
-  }
-  for (int k = 0; k < 4; k++) {
-    double a = V[k][p], b = V[k][q];
-    V[k][p] = c * a - s * b, V[k][q] = s * a + c * b;
-  }
-}
-
-/// The eigenvector of the largest eigenvalue of a symmetric 4x4 by cyclic Jacobi.
-static void largest_eigenvector(double N[4][4], double vector[4]) {
-  double V[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-  double size = 0;
-  for (int i = 0; i < 4; i++)
-    for (int j = 0; j < 4; j++) size = fmax(size, fabs(N[i][j]));
-  for (int sweep = 0; sweep < JACOBI_MAX; sweep++) {
-    bool turned = false;
-    for (int p = 0; p < 3; p++)
-      for (int q = p + 1; q < 4; q++)
-        if (fabs(N[p][q]) > 0.01 * DBL_EPSILON * size) jacobi_rotate(N, V, p, q), turned = true;
-    if (!turned) break;
-  }
-  int best = 0;
-  for (int i = 1; i < 4; i++)
-    if (N[i][i] > N[best][best]) best = i;
-  for (int i = 0; i < 4; i++) vector[i] = V[i][best];
-}
-
 /// The unit quaternion (w, x, y, z) that maximises R(q) : F.
 static void horn_quaternion(const double F[9], double q[4]) {
-  double N[4][4] = {
-      {F[0] + F[4] + F[8], F[7] - F[5], F[2] - F[6], F[3] - F[1]},
-      {F[7] - F[5], F[0] - F[4] - F[8], F[1] + F[3], F[2] + F[6]},
-      {F[2] - F[6], F[1] + F[3], -F[0] + F[4] - F[8], F[5] + F[7]},
-      {F[3] - F[1], F[2] + F[6], F[5] + F[7], -F[0] - F[4] + F[8]},
+  double N[16] = {
+      F[0] + F[4] + F[8], F[7] - F[5],        F[2] - F[6],         F[3] - F[1],
+      F[7] - F[5],        F[0] - F[4] - F[8], F[1] + F[3],         F[2] + F[6],
+      F[2] - F[6],        F[1] + F[3],        -F[0] + F[4] - F[8], F[5] + F[7],
+      F[3] - F[1],        F[2] + F[6],        F[5] + F[7],         -F[0] - F[4] + F[8],
   };
-  largest_eigenvector(N, q);
+  double value[4], V[16];
+  lth_symmetric_eigen(4, N, value, V);
+  for (int i = 0; i < 4; i++) q[i] = V[4 * i + 3];
   double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   for (int i = 0; i < 4; i++) q[i] /= length;
 }

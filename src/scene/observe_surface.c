@@ -27,7 +27,7 @@ static bool is_wanted(const LthBody *body) {
 
 /// Invert scene = A file + b.
 static LitheStatus invert(LitheCtx *ctx, const LthSceneBody *def, LthSurfaceOutput *out) {
-  double A[9];
+  double A[9], C[9];
   for (int r = 0; r < 3; r++) {
     memcpy(A + 3 * r, def->file_to_scene + 4 * r, 3 * sizeof *A);
     out->shift[r] = def->file_to_scene[4 * r + 3];
@@ -36,11 +36,8 @@ static LitheStatus invert(LitheCtx *ctx, const LthSceneBody *def, LthSurfaceOutp
   if (det == 0)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "output.space: `file` needs a body whose shape is a mesh file; use `scene`");
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) {
-      int r = (j + 1) % 3, s = (j + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
-      out->inverse[3 * i + j] = (A[3 * r + c] * A[3 * s + d] - A[3 * r + d] * A[3 * s + c]) / det;
-    }
+  lth_m3_cofactor(A, C);
+  for (int i = 0; i < 9; i++) out->inverse[i] = C[3 * (i % 3) + i / 3] / det;
   return LITHE_OK;
 }
 
@@ -75,8 +72,7 @@ done:
 LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                                     double period, LthSurfaceOutput **out) {
   LTH_NEW(ctx, *out, 1);
-  LTH_NEW(ctx, (*out)->folder, (LitheCount)strlen(folder) + 1);
-  strcpy((*out)->folder, folder);
+  LITHE_TRY(lth_copy_text(ctx, folder, &(*out)->folder));
   if (!is_wanted(body)) return LITHE_OK;
   (*out)->kinds[0] = body->scene->surface_obj;
   (*out)->kinds[1] = body->scene->surface_ply;

@@ -88,16 +88,6 @@ void *lth_read_array(LthReader *r, const LthNode *list, size_t size) {
   return lth_arena_take(r->arena, size * (size_t)(list ? list->n_children + 1 : 1));
 }
 
-void lth_rotation_matrix(const double axis[3], double angle, double R[9]) {
-  // Rodrigues: R = cos I + (1 - cos) a a^T + sin [a]x
-  double c = cos(angle), s = sin(angle);
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) R[3 * i + j] = (1 - c) * axis[i] * axis[j] + (i == j ? c : 0);
-  R[1] -= s * axis[2], R[2] += s * axis[1];
-  R[3] += s * axis[2], R[5] -= s * axis[0];
-  R[6] -= s * axis[1], R[7] += s * axis[0];
-}
-
 void lth_read_placement(LthReader *r, const LthNode *place, LthPlacement *placement) {
   *placement = (LthPlacement){0};
   lth_m3_identity(placement->rotation);
@@ -106,7 +96,7 @@ void lth_read_placement(LthReader *r, const LthNode *place, LthPlacement *placem
   double axis[3], angle = lth_read_number(rotate, "angle", 0);
   if (!rotate || !lth_read_direction(r, rotate, "axis", axis) || angle == 0) return;
   placement->rotates = true;
-  lth_rotation_matrix(axis, angle, placement->rotation);
+  lth_m3_rotation(axis, angle, placement->rotation);
 }
 
 void lth_place_point(const LthPlacement *p, const double x[3], double placed[3]) {

@@ -56,9 +56,8 @@ int lth_read_word(const LthNode *map, const char *key, const char *const *words)
 /// An array for a list's entries, zeroed; NULL where memory is out (the arena then has failed).
 void *lth_read_array(LthReader *r, const LthNode *list, size_t size);
 
-/// Placement of a body or collider (`place` may be NULL) and a rotation by axis and angle.
+/// Placement of a body or collider (`place` may be NULL).
 void lth_read_placement(LthReader *r, const LthNode *place, LthPlacement *placement);
-void lth_rotation_matrix(const double axis[3], double angle, double R[9]);
 void lth_place_point(const LthPlacement *p, const double x[3], double placed[3]);
 
 /// --- shapes (read_shape.c, read_implicit.c) ---

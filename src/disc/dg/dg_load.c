@@ -18,9 +18,7 @@ typedef struct LoadTarget {
 /// cof F n = det F F^-T n: what the area vector becomes.
 static void deformed_normal(const double F[9], const double n[3], double r[3]) {
   double C[9];
-  lth_v3_cross(F + 3, F + 6, C);
-  lth_v3_cross(F + 6, F, C + 3);
-  lth_v3_cross(F, F + 3, C + 6);
+  lth_m3_cofactor(F, C);
   lth_m3_apply(C, n, r);
 }
 
