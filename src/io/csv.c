@@ -47,8 +47,7 @@ LitheStatus lth_csv_open(LitheCtx *ctx, const char *path, int n, const char *con
                          LthCsv **csv) {
   LitheStatus status = LITHE_OK;
   LTH_NEW(ctx, *csv, 1);
-  LTH_NEW_OR(failed, ctx, (*csv)->path, (LitheCount)strlen(path) + 1);
-  strcpy((*csv)->path, path);
+  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*csv)->path));
   (*csv)->n = n;
   (*csv)->stream = fopen(path, "wb");
   if (!(*csv)->stream) {

@@ -64,8 +64,7 @@ LitheStatus lth_file_open(LitheCtx *ctx, const char *path, LthFileWriter *writer
 
   LitheStatus status = LITHE_OK;
   size_t length = strlen(path);
-  LTH_NEW_OR(done, ctx, writer->path, (LitheCount)length + 1);
-  memcpy(writer->path, path, length + 1);
+  LITHE_TRY_OR(done, lth_copy_text(ctx, path, &writer->path));
   if (!is_special(path)) {
     LTH_NEW_OR(done, ctx, writer->temporary, (LitheCount)length + 32);
     snprintf(writer->temporary, length + 32, "%s.%ld.part", path, (long)getpid());
@@ -138,8 +137,7 @@ LitheStatus lth_folder_make(LitheCtx *ctx, const char *path) {
   char *prefix = NULL;
   size_t length = strlen(path);
   if (length == 0) return LITHE_OK;
-  LTH_NEW(ctx, prefix, (LitheCount)length + 1);
-  memcpy(prefix, path, length + 1);
+  LITHE_TRY(lth_copy_text(ctx, path, &prefix));
   for (size_t i = 1; i < length; i++) {
     if (prefix[i] != '/' || prefix[i - 1] == '/') continue;
     prefix[i] = 0;

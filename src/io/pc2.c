@@ -5,6 +5,8 @@
 /// the time between samples in seconds; in the modifier's frame mode one sample is one frame.
 #include "io/pc2.h"
 
+#include "io/bytes.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,16 +22,6 @@ struct LthPc2 {
   LitheIndex n_points;
   int32_t n_samples;
 };
-
-static void put_u32(unsigned char *at, uint32_t value) {
-  for (int i = 0; i < 4; i++) at[i] = (unsigned char)(value >> (8 * i));
-}
-
-static void put_f32(unsigned char *at, float value) {
-  uint32_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  put_u32(at, bits);
-}
 
 static off_t frame_end(const LthPc2 *pc2, int32_t samples) {
   return HEADER_BYTES + (off_t)12 * pc2->n_points * samples;
@@ -52,16 +44,15 @@ static void release(LitheCtx *ctx, LthPc2 **pc2) {
 LitheStatus lth_pc2_open(LitheCtx *ctx, const char *path, LitheIndex n_points, double dt,
                          LthPc2 **pc2) {
   LitheStatus status = LITHE_OK;
-  unsigned char header[HEADER_BYTES] = "POINTCACHE2";
-  put_u32(header + 12, 1);
-  put_u32(header + 16, (uint32_t)n_points);
-  put_f32(header + 20, 0);
-  put_f32(header + 24, (float)dt);
-  put_u32(header + SAMPLES_AT, 0);
+  char header[HEADER_BYTES] = "POINTCACHE2";
+  lth_bytes_put_u32(1, header + 12);
+  lth_bytes_put_u32((uint32_t)n_points, header + 16);
+  lth_bytes_put_f32(0, header + 20);
+  lth_bytes_put_f32((float)dt, header + 24);
+  lth_bytes_put_u32(0, header + SAMPLES_AT);
 
   LTH_NEW(ctx, *pc2, 1);
-  LTH_NEW_OR(failed, ctx, (*pc2)->path, (LitheCount)strlen(path) + 1);
-  strcpy((*pc2)->path, path);
+  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*pc2)->path));
   (*pc2)->n_points = n_points;
   (*pc2)->stream = fopen(path, "wb");
   if (!(*pc2)->stream || fwrite(header, 1, HEADER_BYTES, (*pc2)->stream) != HEADER_BYTES ||
@@ -78,19 +69,19 @@ failed:
 }
 
 static bool put_points(LthPc2 *pc2, const double *points) {
-  unsigned char batch[12 * BATCH_POINTS];
+  char batch[12 * BATCH_POINTS];
   for (LitheIndex begin = 0; begin < pc2->n_points; begin += BATCH_POINTS) {
     LitheIndex n = pc2->n_points - begin < BATCH_POINTS ? pc2->n_points - begin : BATCH_POINTS;
     for (LitheIndex i = 0; i < 3 * n; i++)
-      put_f32(batch + 4 * i, (float)points[3 * (LitheCount)begin + i]);
+      lth_bytes_put_f32((float)points[3 * (LitheCount)begin + i], batch + 4 * i);
     if (fwrite(batch, 12, (size_t)n, pc2->stream) != (size_t)n) return false;
   }
   return fflush(pc2->stream) == 0;
 }
 
 static bool put_count(LthPc2 *pc2, int32_t n_samples) {
-  unsigned char bytes[4];
-  put_u32(bytes, (uint32_t)n_samples);
+  char bytes[4];
+  lth_bytes_put_u32((uint32_t)n_samples, bytes);
   return fseeko(pc2->stream, SAMPLES_AT, SEEK_SET) == 0 && fwrite(bytes, 1, 4, pc2->stream) == 4 &&
          fflush(pc2->stream) == 0;
 }

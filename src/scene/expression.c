@@ -178,7 +178,7 @@ LitheStatus lth_expression_create(LitheCtx *ctx, const char *text, size_t length
   for (int i = 0; i < n_copies; i++) {
     Copy *copy = &e->copies[i];
     copy->parser = new_parser(e->text, copy->variables);
-    if (!copy->parser) status = LITHE_NO_MEMORY;
+    if (!copy->parser) status = lth_fail(ctx, LITHE_NO_MEMORY, "out of memory for an expression");
     if (status != LITHE_OK) goto done;
     e->n_copies = i + 1;
     atomic_flag_clear(&copy->busy);

@@ -63,8 +63,7 @@ static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
 LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                             LthFields **fields) {
   LTH_NEW(ctx, *fields, 1);
-  LTH_NEW(ctx, (*fields)->folder, (LitheCount)strlen(folder) + 1);
-  strcpy((*fields)->folder, folder);
+  LITHE_TRY(lth_copy_text(ctx, folder, &(*fields)->folder));
   return body->scene->fields_vtu ? allocate(ctx, body, *fields) : LITHE_OK;
 }
 

@@ -86,7 +86,8 @@ static LitheStatus parse_table(LthReader *r, LthText *text, KeyTable *table) {
   }
   table->rows = lth_arena_take(r->arena, 4 * (size_t)table->n * sizeof *rows);
   if (table->rows) memcpy(table->rows, rows, 4 * (size_t)table->n * sizeof *rows);
-  if (!table->rows) status = LITHE_NO_MEMORY;
+  if (!table->rows)
+    status = lth_fail(r->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
 
 done:
   lth_free(r->ctx, rows);

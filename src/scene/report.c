@@ -147,13 +147,6 @@ static int compare_entries(const void *a, const void *b) {
   return x->order < y->order ? -1 : x->order > y->order;
 }
 
-static char *copy_line(LitheCtx *ctx, const char *text) {
-  size_t bytes = strlen(text) + 1;
-  char *line = lth_alloc(ctx, (LitheCount)bytes, 1);
-  if (line) memcpy(line, text, bytes);
-  return line;
-}
-
 LitheStatus lth_report_finish(LthReport *report, LitheCtx *ctx, LthSceneErrors *errors) {
   LitheStatus status = LITHE_OK;
   LitheIndex kept = report->n < LTH_REPORT_MAX ? report->n : LTH_REPORT_MAX, n = 0;
@@ -167,15 +160,13 @@ LitheStatus lth_report_finish(LthReport *report, LitheCtx *ctx, LthSceneErrors *
   errors->ctx = ctx;
   LTH_NEW_OR(done, ctx, errors->lines, n + 1);
   for (LitheIndex i = 0; i < n; i++) {
-    errors->lines[i] = copy_line(ctx, sorted[i]->text);
-    if (!errors->lines[i]) status = LITHE_NO_MEMORY;
-    if (status != LITHE_OK) goto done;
+    LITHE_TRY_OR(done, lth_copy_text(ctx, sorted[i]->text, &errors->lines[i]));
     errors->n = i + 1;
   }
   if (more > 0) {
     const char *text = lth_arena_print(report->arena, "%s: %d more errors", report->file, more);
-    errors->lines[n] = text ? copy_line(ctx, text) : NULL;
-    if (errors->lines[n]) errors->n = n + 1;
+    if (text) LITHE_TRY_OR(done, lth_copy_text(ctx, text, &errors->lines[n]));
+    errors->n += text != NULL;
   }
 
 done:

@@ -209,8 +209,7 @@ LitheStatus lth_result_text(LitheCtx *ctx, const LthResultInput *input, LitheRun
   LITHE_TRY_OR(done, lth_json_create(ctx, &json));
   LITHE_TRY_OR(done, put_all(ctx, input, json, summary));
   LITHE_TRY_OR(done, lth_json_text(json, &lent));
-  LTH_NEW_OR(done, ctx, *text, (LitheCount)strlen(lent) + 1);
-  strcpy(*text, lent);
+  LITHE_TRY_OR(done, lth_copy_text(ctx, lent, text));
 
 done:
   lth_json_destroy(ctx, &json);

@@ -128,9 +128,7 @@ static LitheStatus conclude(LitheCtx *ctx, Run *run, LitheStatus status, LitheRe
 static LitheStatus name_folder(LitheCtx *ctx, const LthScene *scene, const char *folder,
                                char **name) {
   if (!folder) return lth_path_join(ctx, "out", scene->name, name);
-  LTH_NEW(ctx, *name, (LitheCount)strlen(folder) + 1);
-  strcpy(*name, folder);
-  return LITHE_OK;
+  return lth_copy_text(ctx, folder, name);
 }
 
 /// A status whose files are whole and worth a result.json.
