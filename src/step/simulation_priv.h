@@ -84,6 +84,10 @@ LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s);
 /// until the iterations that its age adds have cost as much as a new one.
 LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double cm, double ck);
 
+/// After a dynamic step's solve: remember what it cost with the solver it had, and how much of that is due to
+/// a factor's age.
+void lth_step_tally(LthSimulation *s);
+
 /// Solve A solution = base (+ contact) from the solution given, until |r| <= tolerance |b|; strong cells
 /// end at `driven`. Contact
 /// is revised after each solve, and the system solved again while its set changes.

@@ -116,6 +116,7 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
 
   memcpy(s->solution, s->v, sizeof *s->v * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, s->options.tolerance));
+  lth_step_tally(s);
   balance_momentum(s, dt);
   move(s, dt);
   s->t = t1;

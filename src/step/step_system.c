@@ -162,8 +162,7 @@ static void factor_cost(const LthSimulation *s, double *factor, double *iteratio
   *iteration = product_cost(s) + 1.5 * bytes;
 }
 
-/// Remember what this step cost with the solver it had, and how much of it a factor's age.
-static void tally(LthSimulation *s) {
+void lth_step_tally(LthSimulation *s) {
   double factor, iteration, cost = s->report.linear_iterations * product_cost(s);
   if (s->options.linear != LTH_LINEAR_AUTO || !s->factor) return;
   if (s->use_cholesky) {
@@ -330,6 +329,5 @@ LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
   }
   s->report.converged &= converged;
   s->report.time_solve += lth_now() - start;
-  tally(s);
   return LITHE_OK;
 }

@@ -280,6 +280,49 @@ static void dot_has_same_bits_and_value(void **state) {
   free(x), free(y);
 }
 
+typedef struct Failing {
+  int left; // allocations that succeed
+} Failing;
+
+static void *allocate_some(void *user, size_t alignment, size_t bytes) {
+  Failing *f = user;
+  return f->left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+
+static void release_all(void *user, void *block) {
+  (void)user;
+  free(block);
+}
+
+static void every_failed_allocation_is_clean(void **state) {
+  (void)state;
+  static const LitheCount row_off[] = {0, 3, 6}, block_off[] = {0, 2, 4};
+  static const LitheIndex block_col[] = {0, 1, 0, 1};
+  bool failed = true;
+  for (int k = 0; failed; k++) {
+    Failing failing = {k};
+    LitheCtxDef def = lithe_ctx_def_default();
+    def.allocate = allocate_some, def.release = release_all, def.memory_user = &failing;
+    LitheCtx *ctx = lithe_ctx_create(&def);
+    LthBlockMatrix *A = NULL;
+    LthBlockJacobi *M = NULL;
+    LthReduction *reduction = NULL;
+    LthCg *cg = NULL;
+    LitheStatus status = lth_block_matrix_create(ctx, 2, row_off, block_off, block_col, &A);
+    if (status == LITHE_OK) status = lth_block_jacobi_create(ctx, A, &M);
+    if (status == LITHE_OK) status = lth_reduction_create(ctx, A, M, &reduction);
+    if (status == LITHE_OK) status = lth_cg_create(ctx, A->n, &cg);
+    failed = status != LITHE_OK;
+    if (failed) assert_int_equal(status, LITHE_NO_MEMORY);
+    lth_cg_destroy(ctx, &cg);
+    lth_reduction_destroy(ctx, &reduction);
+    lth_block_jacobi_destroy(ctx, &M);
+    lth_block_matrix_destroy(ctx, &A);
+    assert_int_equal(lth_alloc_bytes(ctx), 0);
+    lithe_ctx_destroy(&ctx);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(gradients_and_cholesky_agree),
@@ -294,6 +337,7 @@ int main(void) {
       cmocka_unit_test(stale_analysis_is_refused),
       cmocka_unit_test(reduction_gives_the_same_solution_in_half_the_steps),
       cmocka_unit_test(reduction_works_where_no_chessboard_exists),
+      cmocka_unit_test(every_failed_allocation_is_clean),
       cmocka_unit_test(dot_has_same_bits_and_value),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
