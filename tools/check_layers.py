@@ -23,7 +23,7 @@ ALLOWED = {
     "embed": LOW | {"mesh", "material", "disc/dg"},
     "system": LOW | {"mesh", "material", "disc/dg", "embed"},
     "step": LOW | {"mesh", "material", "disc/dg", "embed", "system"},
-    "io": BASE | {"geometry", "mesh"},
+    "io": LOW | {"mesh"},
     "scene": LOW | {"mesh", "material", "disc/dg", "embed", "system", "step", "io"},
 }
 # the table of engines is the one place that names them

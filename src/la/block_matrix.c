@@ -1,14 +1,12 @@
-/// Block sparse matrix: pattern, lookup, product with a vector, export.
+/// Block sparse matrix: pattern, lookup, product with a vector.
 #include "la/block_matrix.h"
 
 #include "base/clones.h"
 #include "la/krylov.h"
 
-#include <errno.h>
 #include <math.h>
 #include <omp.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <string.h>
 
 #define LANES 4
@@ -159,58 +157,6 @@ static void apply_operator(const void *self, int threads, const double *x, doubl
 
 LthOperator lth_block_matrix_operator(const LthBlockMatrix *A) {
   return (LthOperator){.n = A->n, .apply = apply_operator, .self = A};
-}
-
-/// Entries of the lower triangle.
-static LitheCount lower_entries(const LthBlockMatrix *A) {
-  LitheCount n = 0;
-  for (LitheIndex row = 0; row < A->n_rows; row++)
-    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
-      LitheCount m = block_size(A, row), k = block_size(A, A->block_col[e]);
-      if (A->block_col[e] < row) n += m * k;
-      if (A->block_col[e] == row) n += m * (m + 1) / 2;
-    }
-  return n;
-}
-
-static void write_lower(const LthBlockMatrix *A, FILE *file) {
-  fprintf(file, "%%%%MatrixMarket matrix coordinate real symmetric\n%lld %lld %lld\n",
-          (long long)A->n, (long long)A->n, (long long)lower_entries(A));
-  for (LitheIndex row = 0; row < A->n_rows && !ferror(file); row++)
-    for (LitheIndex r = 0; r < block_size(A, row); r++)
-      for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
-        LitheIndex col = A->block_col[e], n = block_size(A, col);
-        LitheIndex end = col < row ? n : col == row ? r + 1 : 0;
-        for (LitheIndex c = 0; c < end; c++)
-          fprintf(file, "%lld %lld %.17g\n", (long long)(A->row_off[row] + r + 1),
-                  (long long)(A->row_off[col] + c + 1),
-                  A->values[A->value_off[e] + (LitheCount)r * n + c]);
-      }
-}
-
-LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, const char *path) {
-  static const char suffix[] = ".part";
-  LitheStatus status = LITHE_OK;
-  char *part = NULL;
-  FILE *file = NULL;
-  LTH_NEW(ctx, part, (LitheCount)(strlen(path) + sizeof suffix));
-  memcpy(part, path, strlen(path));
-  memcpy(part + strlen(path), suffix, sizeof suffix);
-  file = fopen(part, "w");
-  if (!file) {
-    status =
-        lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot open for writing: %s", part, strerror(errno));
-    goto done;
-  }
-  write_lower(A, file);
-  bool written = !ferror(file);
-  written = fclose(file) == 0 && written;
-  if (written && rename(part, path) == 0) goto done;
-  status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot write the matrix: %s", path, strerror(errno));
-  remove(part);
-done:
-  lth_free(ctx, part);
-  return status;
 }
 
 double lth_block_matrix_asymmetry(const LthBlockMatrix *A) {

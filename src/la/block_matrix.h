@@ -33,9 +33,6 @@ void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *
 void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                                 const double *x, double *y);
 
-/// Write the scalar matrix (lower triangle of a symmetric one) as Matrix Market.
-LitheStatus lth_block_matrix_export(LitheCtx *ctx, const LthBlockMatrix *A, const char *path);
-
 /// Largest |A - A^T| over largest |A|.
 double lth_block_matrix_asymmetry(const LthBlockMatrix *A);
 

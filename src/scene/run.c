@@ -2,6 +2,7 @@
 #include "lithe/run.h"
 
 #include "io/file.h"
+#include "io/matrix_market.h"
 #include "scene/result.h"
 #include "scene/scene_public.h"
 
@@ -81,7 +82,7 @@ static LitheStatus study_matrix(LitheCtx *ctx, const Run *run, const char *folde
   if (run->scene->export_path) {
     char *path;
     LITHE_TRY(lth_path_join(ctx, folder, run->scene->export_path, &path));
-    LitheStatus status = lth_block_matrix_export(ctx, K, path);
+    LitheStatus status = lth_matrix_market_write(ctx, path, K);
     lth_free(ctx, path);
     LITHE_TRY(status);
   }

@@ -1,4 +1,4 @@
-/// Pattern, product, lookup, export and condition of block matrices.
+/// Pattern, product, lookup and condition of block matrices.
 #include "random_matrix.h"
 
 #include "la/krylov.h"
@@ -86,50 +86,6 @@ static void rejects_pattern_without_diagonal_or_order(void **state) {
   lithe_ctx_destroy(&ctx);
 }
 
-static void export_reads_back(void **state) {
-  (void)state;
-  LitheCtx *ctx = test_ctx();
-  static const int sizes[] = {3, 2};
-  LthBlockMatrix *A = random_matrix(ctx, 9, sizes, 2, 2);
-  double *dense = calloc((size_t)(A->n * A->n), sizeof *dense);
-  CHECK_OK(ctx, lth_block_matrix_export(ctx, A, "test_block_matrix.mtx"));
-  FILE *file = fopen("test_block_matrix.mtx", "r");
-  assert_non_null(file);
-  long long rows, cols, entries, i, j;
-  double v;
-  assert_int_equal(fscanf(file, "%%%%MatrixMarket matrix coordinate real symmetric %lld %lld %lld",
-                          &rows, &cols, &entries),
-                   3);
-  assert_int_equal(rows, A->n);
-  for (long long k = 0; k < entries; k++) {
-    assert_int_equal(fscanf(file, "%lld %lld %lf", &i, &j, &v), 3);
-    assert_true(j <= i);
-    dense[(i - 1) * A->n + j - 1] = dense[(j - 1) * A->n + i - 1] = v;
-  }
-  fclose(file);
-  remove("test_block_matrix.mtx");
-  double x[32] = {0}, y[32];
-  random_vector(A->n, 9, x);
-  apply_ref(A, x, y);
-  for (LitheCount r = 0; r < A->n; r++) {
-    double sum = 0;
-    for (LitheCount c = 0; c < A->n; c++) sum += dense[r * A->n + c] * x[c];
-    CHECK_NEAR(sum, y[r], 1e-15 * 300 * (double)A->n);
-  }
-  free(dense);
-  lth_block_matrix_destroy(ctx, &A);
-  lithe_ctx_destroy(&ctx);
-}
-
-static void export_into_no_folder_or_full_disk_fails(void **state) {
-  (void)state;
-  LitheCtx *ctx = test_ctx();
-  LthBlockMatrix *A = random_matrix(ctx, 9, mixed_sizes, 2, 2);
-  assert_int_equal(lth_block_matrix_export(ctx, A, "no/such/folder/K.mtx"), LITHE_NO_SPACE);
-  lth_block_matrix_destroy(ctx, &A);
-  lithe_ctx_destroy(&ctx);
-}
-
 static void asymmetry_is_found(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -193,8 +149,6 @@ int main(void) {
       cmocka_unit_test(product_has_same_bits_on_any_number_of_threads),
       cmocka_unit_test(find_gives_every_block_and_no_other),
       cmocka_unit_test(rejects_pattern_without_diagonal_or_order),
-      cmocka_unit_test(export_reads_back),
-      cmocka_unit_test(export_into_no_folder_or_full_disk_fails),
       cmocka_unit_test(asymmetry_is_found),
       cmocka_unit_test(condition_of_a_chain_is_known),
       cmocka_unit_test(condition_of_indefinite_matrix_is_refused),

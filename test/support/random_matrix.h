@@ -1,4 +1,4 @@
-/// Random block matrices for the tests of la: chains with fill, blocks of the sizes that degrees give.
+/// Random block matrices for tests: chains with fill, blocks of the sizes that degrees give.
 #pragma once
 
 #include "check.h"
