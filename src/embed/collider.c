@@ -1,32 +1,28 @@
-/// Rigid colliders: placement, gap, normal and velocity.
+/// Rigid colliders: pose, gap and normal.
 #include "embed/collider.h"
 
 #include "base/tensor.h"
 
-LthPlacement lth_collider_placement(const LthCollider *c, double t) {
-  LthPlacement p;
+LthPose lth_collider_pose(const LthCollider *c, double t) {
+  LthPose p;
   double k[3], angle = lth_value_at(&c->angle, c->pivot, t);
   lth_v3_copy(c->axis, k);
   lth_v3_copy(c->pivot, p.pivot);
   for (int i = 0; i < 3; i++) p.shift[i] = lth_value_at(&c->translation[i], c->pivot, t);
   lth_m3_identity(p.R);
   if (angle == 0 || !(lth_v3_normalize(k) > 0)) return p;
-
-  double co = cos(angle), si = sin(angle); // Rodrigues
-  const double cross[9] = {0, -k[2], k[1], k[2], 0, -k[0], -k[1], k[0], 0};
-  for (int i = 0; i < 9; i++)
-    p.R[i] = (i % 4 == 0 ? co : 0) + (1 - co) * k[i / 3] * k[i % 3] + si * cross[i];
+  lth_m3_rotation(k, angle, p.R);
   return p;
 }
 
-void lth_placement_to_rest(const LthPlacement *p, const double x[3], double rest[3]) {
+void lth_pose_to_rest(const LthPose *p, const double x[3], double rest[3]) {
   double d[3];
   for (int i = 0; i < 3; i++) d[i] = x[i] - p->pivot[i] - p->shift[i];
   lth_m3_apply_t(p->R, d, rest);
   lth_v3_axpy(1, p->pivot, rest);
 }
 
-void lth_placement_to_world(const LthPlacement *p, const double rest[3], double x[3]) {
+void lth_pose_to_world(const LthPose *p, const double rest[3], double x[3]) {
   double d[3];
   lth_v3_sub(rest, p->pivot, d);
   lth_m3_apply(p->R, d, x);
@@ -117,23 +113,4 @@ double lth_collider_rest_gap(const LthCollider *c, const double x[3], double nor
 void lth_collider_rest_box(const LthCollider *c, double box[6]) {
   for (int i = 0; i < 3; i++) box[i] = -INFINITY, box[3 + i] = INFINITY;
   if (c->kind != LTH_COLLIDER_PLANE) lth_shape_bounds(&c->shape, box, box + 3);
-}
-
-double lth_collider_gap(const LthCollider *c, const double x[3], double t, double normal[3]) {
-  LthPlacement p = lth_collider_placement(c, t);
-  double rest[3], n[3];
-  lth_placement_to_rest(&p, x, rest);
-  double gap = lth_collider_rest_gap(c, rest, n);
-  lth_m3_apply(p.R, n, normal);
-  return gap;
-}
-
-void lth_collider_velocity(const LthCollider *c, const double x[3], double t, double velocity[3]) {
-  double h = 1e-6 * (1 + fabs(t)), rest[3], before[3], after[3];
-  LthPlacement now = lth_collider_placement(c, t), p = lth_collider_placement(c, t - h),
-               q = lth_collider_placement(c, t + h);
-  lth_placement_to_rest(&now, x, rest);
-  lth_placement_to_world(&p, rest, before);
-  lth_placement_to_world(&q, rest, after);
-  for (int i = 0; i < 3; i++) velocity[i] = (after[i] - before[i]) / (2 * h);
 }

@@ -4,13 +4,13 @@
 #include "embed/contact.h"
 
 /// world = R (rest - pivot) + pivot + shift
-typedef struct LthPlacement {
+typedef struct LthPose {
   double R[9], pivot[3], shift[3];
-} LthPlacement;
+} LthPose;
 
-LthPlacement lth_collider_placement(const LthCollider *collider, double t);
-void lth_placement_to_rest(const LthPlacement *placement, const double x[3], double rest[3]);
-void lth_placement_to_world(const LthPlacement *placement, const double rest[3], double x[3]);
+LthPose lth_collider_pose(const LthCollider *collider, double t);
+void lth_pose_to_rest(const LthPose *pose, const double x[3], double rest[3]);
+void lth_pose_to_world(const LthPose *pose, const double rest[3], double x[3]);
 
 /// Gap and normal in the collider's rest frame; `normal` may be NULL.
 double lth_collider_rest_gap(const LthCollider *collider, const double rest[3], double normal[3]);

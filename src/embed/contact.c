@@ -235,14 +235,4 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
   *force = c->force;
 }
 
-void lth_contact_point_force(const LthContact *c, LitheIndex point, double force[3]) {
-  force[0] = force[1] = force[2] = 0;
-  for (LitheIndex i = 0; i < c->n_touch; i++) {
-    const LthTouch *touch = &c->touch[i];
-    if (touch->point != point || !touch->active) continue;
-    lth_v3_axpy(touch->force_n, touch->normal, force);
-    lth_v3_axpy(1, touch->force_t, force);
-  }
-}
-
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }

@@ -42,13 +42,6 @@ typedef struct LthContact LthContact;
 LitheStatus lth_contact_create(LitheCtx *ctx, const LthContactDef *def, LthContact **contact);
 void lth_contact_destroy(LitheCtx *ctx, LthContact **contact);
 
-/// Gap (signed distance, negative inside) and outward normal of a collider at time t. Thread-safe.
-double lth_collider_gap(const LthCollider *collider, const double x[3], double t, double normal[3]);
-
-/// Velocity of the collider's material at x, by central differences in time.
-void lth_collider_velocity(const LthCollider *collider, const double x[3], double t,
-                           double velocity[3]);
-
 /// Find the points that may touch in the step t -> t + dt, from displacement u and velocity v
 /// (coefficients). Returns the number of those that are active at first: in a collider if they went on as
 /// they do. Also ends the step before: sliding points take their anchors along. Allocates only when more
@@ -70,14 +63,11 @@ void lth_contact_add_diagonal(const LthContact *contact, const LthDgSpace *space
 /// After a solve: drop points that pull, take in those that end inside, let go of or hold those whose
 /// friction is above or below Coulomb's limit. Returns true where the step should be solved again; a few
 /// rounds at most in a step.
-bool lth_contact_revise(LthContact *contact, const double *u, const double *v1);
+bool lth_contact_revise(LthContact *contact, const double *v1);
 
 /// Number of active points, deepest penetration [m] and total normal force [N] of the last solve.
 void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetration,
                         double *force);
-
-/// Force on the body at a point that is active after the last solve [N], summed over colliders.
-void lth_contact_point_force(const LthContact *contact, LitheIndex point, double force[3]);
 
 /// Stiffness per area in use [Pa/m] (per point [N/m] where no area is known).
 double lth_contact_stiffness(const LthContact *contact);

@@ -25,11 +25,11 @@ static void move_anchors(LthContact *c, double t) {
     LthTouch *touch = &c->touch[i];
     double pull = touch->stiffness * lth_v3_norm(touch->trial);
     if (!touch->active || !(pull > touch->limit)) continue;
-    LthPlacement now = lth_collider_placement(&c->colliders[touch->collider], t);
+    LthPose now = lth_collider_pose(&c->colliders[touch->collider], t);
     double x[3];
     lth_v3_copy(c->position + 3 * (size_t)touch->point, x);
     lth_v3_axpy(-touch->limit / pull, touch->trial, x);
-    lth_placement_to_rest(&now, x, touch->anchor);
+    lth_pose_to_rest(&now, x, touch->anchor);
   }
 }
 
@@ -44,15 +44,14 @@ static double fastest_sample(const LthContact *c) {
 }
 
 /// Gaps of all points to a collider, INFINITY beyond `reach`.
-static void find_gaps(const LthContact *c, LitheIndex collider, const LthPlacement *next,
-                      double reach) {
+static void find_gaps(const LthContact *c, LitheIndex collider, const LthPose *next, double reach) {
   const LthCollider *k = &c->colliders[collider];
   double box[6];
   lth_collider_rest_box(k, box);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(c->ctx))
   for (LitheIndex p = 0; p < c->def.points->n_points; p++) {
     double rest[3];
-    lth_placement_to_rest(next, c->position + 3 * (size_t)p, rest);
+    lth_pose_to_rest(next, c->position + 3 * (size_t)p, rest);
     c->gap[p] = INFINITY;
     if (lth_box_distance2(box, rest) > reach * reach) continue;
     double gap = lth_collider_rest_gap(k, rest, NULL);
@@ -61,14 +60,14 @@ static void find_gaps(const LthContact *c, LitheIndex collider, const LthPlaceme
 }
 
 /// True where the collider's box, as a ball, is farther from the body's box than `reach`.
-static bool is_far(const LthContact *c, LitheIndex collider, const LthPlacement *next,
+static bool is_far(const LthContact *c, LitheIndex collider, const LthPose *next,
                    const double body[6], double reach) {
   double box[6], center[3], x[3];
   if (c->colliders[collider].kind == LTH_COLLIDER_PLANE) return false;
   lth_collider_rest_box(&c->colliders[collider], box);
   for (int i = 0; i < 3; i++) center[i] = 0.5 * (box[i] + box[3 + i]);
   double radius = lth_v3_distance(box, center);
-  lth_placement_to_world(next, center, x);
+  lth_pose_to_world(next, center, x);
   return lth_box_distance2(body, x) > (radius + reach) * (radius + reach);
 }
 
@@ -82,21 +81,21 @@ static void find_body_box(const LthContact *c, double box[6]) {
 }
 
 /// Normal, stiffness, collider's velocity and first guess of a new touching point.
-static void fill_touch(const LthContact *c, LthTouch *touch, const LthPlacement *now,
-                       const LthPlacement *next, const double v[3]) {
+static void fill_touch(const LthContact *c, LthTouch *touch, const LthPose *now,
+                       const LthPose *next, const double v[3]) {
   const LthEmbedding *e = c->def.points;
   const double *x = c->position + 3 * (size_t)touch->point;
   double rest[3], n[3], before[3];
-  lth_placement_to_rest(next, x, rest);
+  lth_pose_to_rest(next, x, rest);
   touch->gap = lth_collider_rest_gap(&c->colliders[touch->collider], rest, n);
   lth_m3_apply(next->R, n, touch->normal);
-  lth_placement_to_world(now, rest, before);
+  lth_pose_to_world(now, rest, before);
   for (int i = 0; i < 3; i++) touch->velocity[i] = (x[i] - before[i]) / c->dt;
   touch->stiffness = c->stiffness * (e->area ? e->area[touch->point] : 1);
   double end = touch->gap + c->dt * lth_v3_dot(touch->normal, v);
   touch->active = end < 0;
   touch->limit = c->def.friction * touch->stiffness * fmax(-end, 0);
-  lth_placement_to_rest(now, x, touch->anchor);
+  lth_pose_to_rest(now, x, touch->anchor);
 }
 
 /// Take over what a point of the last step knows, and let v go on changing as it did; `*at` walks along the
@@ -115,18 +114,18 @@ static void remember(const LthContact *c, LthTouch *touch, LitheIndex *at, doubl
 }
 
 /// Stretch of friction's spring at the start, and what it would be if the point went on as it does.
-static void set_offset(const LthContact *c, LthTouch *touch, const LthPlacement *next,
+static void set_offset(const LthContact *c, LthTouch *touch, const LthPose *next,
                        const double v[3]) {
   double anchor[3];
-  lth_placement_to_world(next, touch->anchor, anchor);
+  lth_pose_to_world(next, touch->anchor, anchor);
   lth_v3_sub(c->position + 3 * (size_t)touch->point, anchor, touch->offset);
   lth_v3_axpy(-lth_v3_dot(touch->offset, touch->normal), touch->normal, touch->offset);
   lth_touch_stretch(c, touch, v);
 }
 
 /// Collect the points near one collider.
-static LitheStatus collect(LitheCtx *ctx, LthContact *c, LitheIndex collider,
-                           const LthPlacement *now, const LthPlacement *next, LitheIndex *at) {
+static LitheStatus collect(LitheCtx *ctx, LthContact *c, LitheIndex collider, const LthPose *now,
+                           const LthPose *next, LitheIndex *at) {
   const LthEmbedding *e = c->def.points;
   for (LitheIndex p = 0; p < e->n_points; p++) {
     double v[3];
@@ -151,8 +150,8 @@ static LitheStatus find_near(LitheCtx *ctx, LthContact *c) {
   LitheIndex at = 0;
   find_body_box(c, body);
   for (LitheIndex k = 0; k < c->def.n_colliders; k++) {
-    LthPlacement now = lth_collider_placement(&c->colliders[k], c->t);
-    LthPlacement next = lth_collider_placement(&c->colliders[k], c->t + c->dt);
+    LthPose now = lth_collider_pose(&c->colliders[k], c->t);
+    LthPose next = lth_collider_pose(&c->colliders[k], c->t + c->dt);
     if (is_far(c, k, &next, body, reach)) continue;
     find_gaps(c, k, &next, reach);
     LITHE_TRY(collect(ctx, c, k, &now, &next, &at));

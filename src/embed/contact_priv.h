@@ -20,7 +20,6 @@ typedef struct LthTouch {
   double limit;       ///< mu times the normal force of the last solve [N]
   double gap_end;     ///< at the end of the step by the last solve [m]
   double force_n;     ///< normal force of the last solve [N]
-  double force_t[3];  ///< friction of the last solve [N]
   double D[9], r[3];  ///< equation (4)
 } LthTouch;
 

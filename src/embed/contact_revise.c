@@ -55,14 +55,12 @@ static void revise_touch(const LthContact *c, LthTouch *touch, double missed[2])
   missed[0] = was_active != touch->active ? fabs(force) : 0;
   missed[1] =
       was_active && touch->active ? fabs(touch->spring - spring) * lth_v3_norm(touch->trial) : 0;
-  for (int i = 0; i < 3; i++) touch->force_t[i] = was_active ? -spring * touch->trial[i] : 0;
   lth_touch_linearize(c, touch);
 }
 
 // A step is solved again where the forces that were missed are worth it as a whole: a few points at the
 // rim of a resting patch always come and go.
-bool lth_contact_revise(LthContact *c, const double *u, const double *v1) {
-  (void)u;
+bool lth_contact_revise(LthContact *c, const double *v1) {
   double missed[2] = {0, 0};
   LitheIndex n_before = c->n_active;
   c->penetration = 0, c->force = 0;

@@ -76,17 +76,22 @@ void lth_embedding_weights(const LthEmbedding *e, LitheIndex p, double *weights)
   }
 }
 
-LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_tris,
-                                   const LitheIndex *tris) {
+LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_polys,
+                                   const LitheIndex *poly_off, const LitheIndex *poly_point) {
   if (!e->area) LTH_NEW(ctx, e->area, e->n_points);
   memset(e->area, 0, sizeof *e->area * (size_t)e->n_points);
-  for (LitheIndex t = 0; t < n_tris; t++) {
-    const LitheIndex *p = tris + 3 * (size_t)t;
-    double a[3], b[3], n[3];
-    lth_v3_sub(e->rest + 3 * (size_t)p[1], e->rest + 3 * (size_t)p[0], a);
-    lth_v3_sub(e->rest + 3 * (size_t)p[2], e->rest + 3 * (size_t)p[0], b);
-    lth_v3_cross(a, b, n);
-    for (int k = 0; k < 3; k++) e->area[p[k]] += lth_v3_norm(n) / 6;
+  for (LitheIndex p = 0; p < n_polys; p++) {
+    const LitheIndex *point = poly_point + poly_off[p];
+    const LitheIndex n = poly_off[p + 1] - poly_off[p];
+    double sum[3] = {0, 0, 0};
+    for (LitheIndex i = 1; i + 1 < n; i++) {
+      double a[3], b[3], cross[3];
+      lth_v3_sub(e->rest + 3 * (size_t)point[i], e->rest + 3 * (size_t)point[0], a);
+      lth_v3_sub(e->rest + 3 * (size_t)point[i + 1], e->rest + 3 * (size_t)point[0], b);
+      lth_v3_cross(a, b, cross);
+      lth_v3_axpy(0.5, cross, sum);
+    }
+    for (LitheIndex i = 0; i < n; i++) e->area[point[i]] += lth_v3_norm(sum) / n;
   }
   return LITHE_OK;
 }

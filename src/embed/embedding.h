@@ -44,10 +44,15 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
                                  LthEmbedding **embedding);
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
-/// Give every point a third of the rest area of each triangle (n_tris x 3 points) around it: what contact
-/// multiplies its stiffness by.
-LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_tris,
-                                   const LitheIndex *tris);
+/// Embed the coarse nodes of the boundary, points of the mesh on two or three grid planes, each with its
+/// share of the boundary's area.
+LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
+                                       LthEmbedding **embedding);
+
+/// Share the rest area of polygons of embedded points evenly among the points of each: what contact
+/// multiplies its stiffness by. Polygon i is poly_point[poly_off[i]] up to poly_off[i + 1].
+LitheStatus lth_embedding_set_area(LitheCtx *ctx, LthEmbedding *e, LitheIndex n_polys,
+                                   const LitheIndex *poly_off, const LitheIndex *poly_point);
 
 /// Deformed positions (n_points x 3) = rest + W (x - X0); all cores, same bits for any number.
 /// `u` is x - X0 as coefficients. One call at a time on an embedding.

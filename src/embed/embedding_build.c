@@ -25,23 +25,6 @@ typedef struct Job {
   int n_parts;
 } Job;
 
-/// A weight and its sample, to sort rows.
-typedef struct Entry {
-  LitheIndex sample;
-  double weight;
-} Entry;
-
-static void sort_row(LthWeightRow *row) {
-  // insertion sort: rows have a few dozen entries, gathered cell by cell in nearly rising order
-  for (LitheIndex i = 1; i < row->n; i++) {
-    Entry x = {row->sample[i], row->weight[i]};
-    LitheIndex j = i;
-    for (; j > 0 && row->sample[j - 1] > x.sample; j--)
-      row->sample[j] = row->sample[j - 1], row->weight[j] = row->weight[j - 1];
-    row->sample[j] = x.sample, row->weight[j] = x.weight;
-  }
-}
-
 static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
   const double *x = job->e->rest + 3 * (size_t)p;
   LthWeightRow *row = &part->row;
@@ -54,7 +37,7 @@ static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
     LITHE_TRY(lth_mean_value_weights(job->ctx, job->e->space->mesh, job->samples, x,
                                      job->e->cell[p], row));
   }
-  sort_row(row);
+  lth_row_sort(row);
   job->e->off[p + 1] = row->n;
   for (LitheIndex i = 0; i < row->n; i++)
     LITHE_TRY(lth_row_add(job->ctx, &part->all, row->sample[i], row->weight[i]));

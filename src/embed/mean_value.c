@@ -49,16 +49,10 @@ static bool on_triangle(const double *p[3], const double x[3], double size, doub
   return true;
 }
 
-/// Sum weights of equal samples: the row sorted by sample (it is short).
+/// Sort a row and sum the weights of equal samples.
 static void merge_row(LthWeightRow *row) {
   LitheIndex n = 0;
-  for (LitheIndex i = 1; i < row->n; i++) { // insertion: fans give runs that are nearly in order
-    LitheIndex sample = row->sample[i], j = i;
-    double weight = row->weight[i];
-    for (; j > 0 && row->sample[j - 1] > sample; j--)
-      row->sample[j] = row->sample[j - 1], row->weight[j] = row->weight[j - 1];
-    row->sample[j] = sample, row->weight[j] = weight;
-  }
+  lth_row_sort(row);
   for (LitheIndex i = 0; i < row->n; i++) {
     if (n > 0 && row->sample[n - 1] == row->sample[i]) {
       row->weight[n - 1] += row->weight[i];

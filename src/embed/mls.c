@@ -22,6 +22,17 @@ LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, dou
   return LITHE_OK;
 }
 
+void lth_row_sort(LthWeightRow *row) {
+  // insertion sort: rows have a few dozen entries, gathered in nearly rising order
+  for (LitheIndex i = 1; i < row->n; i++) {
+    LitheIndex sample = row->sample[i], j = i;
+    double weight = row->weight[i];
+    for (; j > 0 && row->sample[j - 1] > sample; j--)
+      row->sample[j] = row->sample[j - 1], row->weight[j] = row->weight[j - 1];
+    row->sample[j] = sample, row->weight[j] = weight;
+  }
+}
+
 /// Cells behind the faces of every cell, each once.
 static LitheStatus find_neighbors(LitheCtx *ctx, LthMls *mls) {
   const LthMesh *m = mls->mesh;
@@ -71,7 +82,6 @@ LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScrat
   LTH_NEW(ctx, s->queue, mls->mesh->n_cells);
   LTH_NEW(ctx, s->sample_mark, mls->samples->n);
   LTH_NEW(ctx, s->candidate, mls->samples->n);
-  LTH_NEW(ctx, s->distance, mls->samples->n);
   LTH_NEW(ctx, s->theta, mls->samples->n);
   return LITHE_OK;
 }
@@ -81,7 +91,6 @@ void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
   lth_free(ctx, s->queue);
   lth_free(ctx, s->sample_mark);
   lth_free(ctx, s->candidate);
-  lth_free(ctx, s->distance);
   lth_free(ctx, s->theta);
 }
 

@@ -13,6 +13,9 @@ typedef struct LthWeightRow {
 
 LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, double weight);
 
+/// Sort a row by sample; equal samples keep their order.
+void lth_row_sort(LthWeightRow *row);
+
 /// What the rows of all points share; read by many threads.
 typedef struct LthMls {
   const LthMesh *mesh;
@@ -28,7 +31,7 @@ void lth_mls_free(LitheCtx *ctx, LthMls *mls);
 /// Scratch of one thread.
 typedef struct LthMlsScratch {
   LitheIndex *cell_mark, *sample_mark, *queue, *candidate;
-  double *distance, *theta;
+  double *theta;
   LitheIndex stamp;
 } LthMlsScratch;
 

@@ -1,7 +1,7 @@
 /// The surface that follows a body.
 #include "scene/body.h"
 
-#include "base/tensor.h"
+#include <string.h>
 
 /// A triangle surface as polygons of its own.
 static LitheStatus soup_from_surface(LitheCtx *ctx, const LthSurface *surface, LthSoup **soup) {
@@ -52,27 +52,6 @@ static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *c
   return status;
 }
 
-/// Each polygon's area [m^2], shared evenly by its points.
-static LitheStatus share_area(LitheCtx *ctx, const LthSoup *soup, double **area) {
-  LTH_NEW(ctx, *area, soup->n_points);
-  for (LitheIndex p = 0; p < soup->n_polys; p++) {
-    const LitheIndex *point = soup->poly_point + soup->poly_off[p];
-    LitheIndex n = soup->poly_off[p + 1] - soup->poly_off[p];
-    double sum[3] = {0, 0, 0};
-    for (LitheIndex i = 1; i + 1 < n; i++) {
-      double a[3], b[3], cross[3];
-      lth_v3_sub(soup->points + 3 * (LitheCount)point[i], soup->points + 3 * (LitheCount)point[0],
-                 a);
-      lth_v3_sub(soup->points + 3 * (LitheCount)point[i + 1],
-                 soup->points + 3 * (LitheCount)point[0], b);
-      lth_v3_cross(a, b, cross);
-      lth_v3_axpy(0.5, cross, sum);
-    }
-    for (LitheIndex i = 0; i < n; i++) (*area)[point[i]] += lth_v3_norm(sum) / n;
-  }
-  return LITHE_OK;
-}
-
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
@@ -82,7 +61,8 @@ static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY_OR(done, lth_embedding_create(ctx, body->space, body->soup->n_points,
                                           body->soup->points, cells, body->def->interpolation,
                                           body->def->samples, &body->embedding));
-  LITHE_TRY_OR(done, share_area(ctx, body->soup, &body->embedding->area));
+  LITHE_TRY_OR(done, lth_embedding_set_area(ctx, body->embedding, body->soup->n_polys,
+                                            body->soup->poly_off, body->soup->poly_point));
 
 done:
   lth_free(ctx, cells);

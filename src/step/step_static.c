@@ -193,7 +193,7 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   add_work(s);
   if (s->body.contact) {
     double force;
-    lth_contact_revise(s->body.contact, s->u, s->v); // forces at rest: v is zero
+    lth_contact_revise(s->body.contact, s->v); // forces at rest: v is zero
     lth_contact_report(s->body.contact, &s->report.contacts, &s->report.penetration, &force);
   }
   return LITHE_OK;

@@ -322,7 +322,7 @@ LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
         pass == CONTACT_PASSES - 1 || !s->body.contact || !s->contact_on || rough == tolerance;
     LITHE_TRY(solve_pass(ctx, s, last ? tolerance : rough, &converged));
     if (!s->body.contact) break;
-    bool changed = lth_contact_revise(s->body.contact, s->u, s->solution);
+    bool changed = lth_contact_revise(s->body.contact, s->solution);
     if (!changed && last) break;
     rough = changed ? fmax(tolerance, CONTACT_TOLERANCE) : tolerance;
     s->contact_on |= changed;
