@@ -104,8 +104,6 @@ void lth_dg_operator_destroy(LitheCtx *ctx, LthDgOperator **out) {
   *out = NULL;
 }
 
-const double *lth_dg_rotations(const LthDgOperator *op) { return op->rotation; }
-
 void lth_dg_reset_rotations(LthDgOperator *op) {
   for (LitheIndex c = 0; c < op->space->n_cells; c++)
     lth_m3_identity(op->rotation + 9 * (LitheCount)c);

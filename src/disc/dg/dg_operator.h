@@ -41,10 +41,8 @@ typedef struct LthDgOperator LthDgOperator;
 LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def, LthDgOperator **op);
 void lth_dg_operator_destroy(LitheCtx *ctx, LthDgOperator **op);
 
-/// The rotations R_K used by the next assembly (n_cells x 9, row-major), identity at first.
-const double *lth_dg_rotations(const LthDgOperator *op);
-
-/// R_K = polar(mean gradient of position) for every cell; nothing if not warped. x (n_dofs) [m].
+/// R_K = polar(mean gradient of position) for every cell, used by the next assembly; the identity at first
+/// and, if not warped, always. x (n_dofs) [m].
 void lth_dg_update_rotations(LthDgOperator *op, const double *x);
 
 /// Set all R_K to the identity.
