@@ -45,9 +45,10 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
 /// Embed the coarse nodes of the boundary, points of the mesh on two or three grid planes, each with its
-/// share of the boundary's area.
+/// share of the boundary's area. The points of `surface` (with areas; NULL: none) follow behind; each kind
+/// then stands for half of the area.
 LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
-                                       LthEmbedding **embedding);
+                                       const LthEmbedding *surface, LthEmbedding **embedding);
 
 /// Share the rest area of polygons of embedded points evenly among the points of each: what contact
 /// multiplies its stiffness by. Polygon i is poly_point[poly_off[i]] up to poly_off[i + 1].

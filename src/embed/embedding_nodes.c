@@ -1,6 +1,9 @@
-/// The coarse nodes of a mesh's boundary, embedded: contact points of a body without a surface.
+/// The coarse nodes of a mesh's boundary, embedded: contact points of a body without a surface, or with
+/// one whose polygons are larger than its elements.
 #include "base/tensor.h"
 #include "embed/embedding.h"
+
+#include <string.h>
 
 /// Boundary points of the mesh that lie on at least two grid planes, with their share of the boundary.
 static LitheStatus collect_nodes(LitheCtx *ctx, const LthMesh *mesh, LitheIndex *n, double *points,
@@ -48,17 +51,30 @@ done:
   return status;
 }
 
+/// Put the points of an embedded surface behind the nodes.
+static void add_surface(const LthEmbedding *surface, LitheIndex *n, double *points,
+                        LitheIndex *cells, double *area) {
+  const size_t count = (size_t)surface->n_points;
+  for (LitheIndex i = 0; i < *n; i++) area[i] *= 0.5;
+  memcpy(points + 3 * (LitheCount)*n, surface->rest, 3 * count * sizeof *points);
+  memcpy(cells + *n, surface->cell, count * sizeof *cells);
+  for (LitheIndex i = 0; i < surface->n_points; i++) area[*n + i] = 0.5 * surface->area[i];
+  *n += surface->n_points;
+}
+
 LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
-                                       LthEmbedding **embedding) {
+                                       const LthEmbedding *surface, LthEmbedding **embedding) {
   LitheStatus status = LITHE_OK;
   const LthMesh *mesh = space->mesh;
+  const LitheCount cap = mesh->n_points + (surface ? (LitheCount)surface->n_points : 0);
   LitheIndex n = 0, *cells = NULL;
   double *points = NULL, *area = NULL;
   *embedding = NULL;
-  LTH_NEW_OR(done, ctx, cells, mesh->n_points);
-  LTH_NEW_OR(done, ctx, points, 3 * (LitheCount)mesh->n_points);
-  LTH_NEW_OR(done, ctx, area, mesh->n_points);
+  LTH_NEW_OR(done, ctx, cells, cap);
+  LTH_NEW_OR(done, ctx, points, 3 * cap);
+  LTH_NEW_OR(done, ctx, area, cap);
   LITHE_TRY_OR(done, collect_nodes(ctx, mesh, &n, points, cells, area));
+  if (surface) add_surface(surface, &n, points, cells, area);
   LITHE_TRY_OR(done, lth_embedding_create(ctx, space, n, points, cells, LTH_EMBED_MLS,
                                           LTH_SAMPLE_NODES, embedding));
   (*embedding)->area = area;

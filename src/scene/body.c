@@ -34,8 +34,8 @@ static LitheStatus check_held(LitheCtx *ctx, const LthBody *body) {
     snprintf(part, sizeof part, "the part around (%g, %g, %g), one of %d,", at[0], at[1], at[2],
              free.n_components);
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-             "%s: %s.constraints: nothing holds %s against %s; a %s run needs constraints that do",
-             scene->file, body->def->path, part, free.text,
+             "%s.constraints: nothing holds %s against %s; a %s run needs constraints that do",
+             body->def->place, part, free.text,
              scene->time_kind == LTH_TIME_STATIC ? "static" : "quasistatic");
 }
 

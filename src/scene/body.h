@@ -41,7 +41,7 @@ typedef struct LthBody {
   LthSoup *own_soup;       ///< of the tessellated shape where no file gave one
   const LthSoup *soup;     ///< the embedded surface, or NULL
   LthEmbedding *embedding; ///< of soup's points, or NULL
-  LthEmbedding *nodes;     ///< coarse nodes as contact points, or NULL
+  LthEmbedding *nodes;     ///< contact points where they are not the embedding's, or NULL
   LthContact *contact;     ///< or NULL
 
   LthSimulation *sim;
@@ -64,8 +64,8 @@ LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],
                            const double max[3], LthGrid *grid);
 
-/// The patches that `where` selects; none is an error that names `path` and the body's box.
-LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *path,
+/// The patches that `where` selects; none is an error that names `place` and the body's box.
+LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches);
 
 /// Strong constraints: for every cell whether it moves as prescribed, and its coefficients at a time.

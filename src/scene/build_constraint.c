@@ -1,16 +1,16 @@
 /// Constraints of a scene -> weak constraints on boundary patches, and strong cells.
 #include "scene/body.h"
 
-LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *path,
+LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches) {
   const double *box = body->box;
   LITHE_TRY(lth_select_boundary(ctx, body->mesh, where, patches));
   if ((*patches)->n > 0) return LITHE_OK;
   LITHE_FAIL(
       ctx, LITHE_BAD_INPUT,
-      "%s: %s.where: selects nothing of the body's boundary; the body reaches from (%g, %g, %g) to "
+      "%s.where: selects nothing of the body's boundary; the body reaches from (%g, %g, %g) to "
       "(%g, %g, %g)",
-      body->scene->file, path, box[0], box[1], box[2], box[3], box[4], box[5]);
+      place, box[0], box[1], box[2], box[3], box[4], box[5]);
 }
 
 static bool is_strong(const LthSceneConstraint *c) { return c->strong || c->interior; }
@@ -35,7 +35,7 @@ LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body) {
     const LthSceneConstraint *c = def->constraints + i;
     any_strong = any_strong || is_strong(c);
     if (is_strong(c)) continue;
-    LITHE_TRY(lth_build_patches(ctx, body, c->path, &c->where, body->patches + i));
+    LITHE_TRY(lth_build_patches(ctx, body, c->place, &c->where, body->patches + i));
     body->weak_of[body->n_weak] = i;
     body->weak[body->n_weak++] = weak_from(c, body->patches[i]);
   }

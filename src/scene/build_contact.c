@@ -1,13 +1,46 @@
-/// What touches colliders: the points of the embedded surface, or coarse nodes of the mesh.
+/// What touches colliders: the points of the embedded surface, coarse nodes of the mesh, or both.
 #include "scene/body.h"
 
 #include "base/tensor.h"
 
+/// Longest edge of a polygon, squared.
+static double longest_edge(const LthSoup *soup, LitheIndex polygon) {
+  LitheIndex begin = soup->poly_off[polygon], end = soup->poly_off[polygon + 1];
+  double longest = 0;
+  for (LitheIndex i = begin; i < end; i++) {
+    double edge[3];
+    lth_v3_sub(soup->points + 3 * (LitheCount)soup->poly_point[i + 1 < end ? i + 1 : begin],
+               soup->points + 3 * (LitheCount)soup->poly_point[i], edge);
+    longest = fmax(longest, lth_v3_dot(edge, edge));
+  }
+  return longest;
+}
+
+/// A flat face of a part has points at its corners only: between them it would sink into a floor.
+static bool has_large_polygons(const LthBody *body) {
+  double limit = 2 * body->mesh->cell_size;
+  for (LitheIndex p = 0; p < body->soup->n_polys; p++)
+    if (longest_edge(body->soup, p) > limit * limit) return true;
+  return false;
+}
+
+static LitheStatus choose_points(LitheCtx *ctx, LthBody *body) {
+  LthContactPoints points = body->scene->contact_points;
+  if (points == LTH_POINTS_NODES || !body->embedding)
+    return lth_embedding_create_nodes(ctx, body->space, NULL, &body->nodes);
+  if (!has_large_polygons(body)) return LITHE_OK;
+  if (points == LTH_POINTS_SURFACE) {
+    lth_warn(ctx, "contact.points: the embedded surface has polygons larger than the elements, and "
+                  "nothing touches between their points; `auto` adds the nodes");
+    return LITHE_OK;
+  }
+  return lth_embedding_create_nodes(ctx, body->space, body->embedding, &body->nodes);
+}
+
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
   const LthScene *scene = body->scene;
   if (scene->n_colliders == 0) return LITHE_OK;
-  if (scene->contact_nodes || !body->embedding)
-    LITHE_TRY(lth_embedding_create_nodes(ctx, body->space, &body->nodes));
+  LITHE_TRY(choose_points(ctx, body));
   LthContactDef def = {.points = body->nodes ? body->nodes : body->embedding,
                        .colliders = scene->colliders,
                        .n_colliders = scene->n_colliders,

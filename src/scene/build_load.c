@@ -14,7 +14,7 @@ LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body) {
     memcpy(load->value, from->value, sizeof load->value);
     memcpy(load->stress, from->stress, sizeof load->stress);
     if (from->kind == LTH_LOAD_BODY_FORCE) continue;
-    LITHE_TRY(lth_build_patches(ctx, body, from->path, &from->where, patches));
+    LITHE_TRY(lth_build_patches(ctx, body, from->place, &from->where, patches));
     load->patches = *patches;
   }
   return LITHE_OK;

@@ -58,8 +58,9 @@ static LitheStatus check_constants(LitheCtx *ctx, const LthBody *body, LitheInde
   else if (!(body->density[cell] > 0 && isfinite(body->density[cell])))
     key = "density", rule = "> 0 kg/m^3", got = body->density[cell];
   if (!key) return LITHE_OK;
+  LITHE_TRY(lth_scene_check_values(ctx, body->scene));
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-             "%s.material.%s: must be %s, is %g in the element at (%g, %g, %g)", body->def->path,
+             "%s.material.%s: must be %s, is %g in the element at (%g, %g, %g)", body->def->place,
              key, rule, got, at[0], at[1], at[2]);
 }
 
@@ -71,7 +72,7 @@ static LitheStatus set_cell(LitheCtx *ctx, LthBody *body, LitheIndex cell) {
         ctx, LITHE_BAD_INPUT,
         "%s.material: no entry holds the element at (%g, %g, %g); end the list with one that has "
         "no `where`",
-        body->def->path, centroid[0], centroid[1], centroid[2]);
+        body->def->place, centroid[0], centroid[1], centroid[2]);
   const LthMaterial *m = &body->def->materials[entry].material;
   Rule rule = {0};
   if (m->young.eval || m->poisson.eval || m->density.eval)
@@ -97,12 +98,12 @@ static LitheStatus check_uniform(LitheCtx *ctx, const LthSceneBody *def) {
     LITHE_FAIL(
         ctx, LITHE_UNSUPPORTED,
         "%s.material.%d: all entries of a body need the same `model` and `damping` in this version",
-        def->path, i);
+        def->place, i);
   }
   if (first->model == LTH_MATERIAL_NEO_HOOKEAN)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
                "%s.material.model: neo-hookean is not built yet; use corotated or linear",
-               def->path);
+               def->place);
   return LITHE_OK;
 }
 

@@ -35,7 +35,7 @@ LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double 
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s.method: a grid of %d x %d x %d cells is more than this version takes (1e8); use "
                "fewer cells",
-               def->path, grid->cells[0], grid->cells[1], grid->cells[2]);
+               def->place, grid->cells[0], grid->cells[1], grid->cells[2]);
   return LITHE_OK;
 }
 
@@ -46,20 +46,55 @@ static double cell_edge(const LthGrid *grid) {
   return cbrt(volume);
 }
 
+/// A grid of its own has to hold the body: cells at its rim would reach on without an end.
+static LitheStatus check_covers(LitheCtx *ctx, const LthBody *body, const LthGrid *grid) {
+  const LthSurface *s = body->surface;
+  double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  bool is_covered = true;
+  if (!body->def->resolution.has_grid) return LITHE_OK;
+  for (LitheIndex i = 0; i < s->n_points; i++)
+    for (int a = 0; a < 3; a++) {
+      low[a] = fmin(low[a], s->points[3 * (LitheCount)i + a]);
+      high[a] = fmax(high[a], s->points[3 * (LitheCount)i + a]);
+    }
+  for (int a = 0; a < 3; a++) {
+    double rounding = 1e-9 * (high[a] - low[a]);
+    is_covered =
+        is_covered && low[a] >= grid->min[a] - rounding && high[a] <= grid->max[a] + rounding;
+  }
+  if (is_covered) return LITHE_OK;
+  LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+             "%s.method.grid: it does not hold the body, which reaches from (%g, %g, %g) to (%g, "
+             "%g, %g); got a grid from (%g, %g, %g) to (%g, %g, %g)",
+             body->def->place, low[0], low[1], low[2], high[0], high[1], high[2], grid->min[0],
+             grid->min[1], grid->min[2], grid->max[0], grid->max[1], grid->max[2]);
+}
+
 static LitheStatus build_slices(LitheCtx *ctx, LthBody *body, const LthGrid *grid) {
   const LthSceneBody *def = body->def;
   double resolution = def->shape_resolution > 0 ? def->shape_resolution : cell_edge(grid) / 4;
   LITHE_TRY(lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface));
+  LITHE_TRY(check_covers(ctx, body, grid));
   return lth_mesh_slice(ctx, body->surface, grid, def->sliver, &body->mesh);
 }
 
-static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid) {
+static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid,
+                               const double min[3], const double max[3]) {
   const LthSceneBody *def = body->def;
   if (def->shape.kind != LTH_SHAPE_BOX)
     LITHE_FAIL(
         ctx, LITHE_BAD_INPUT,
         "%s.method.mesh: hexahedra and tetrahedra fill boxes only; use `slice` for other shapes",
-        def->path);
+        def->place);
+  for (int a = 0; a < 3; a++) {
+    double low = min[a], high = max[a], rounding = 1e-9 * (high - low);
+    if (fabs(grid->min[a] - low) > rounding || fabs(grid->max[a] - high) > rounding)
+      LITHE_FAIL(
+          ctx, LITHE_BAD_INPUT,
+          "%s.method.grid: hexahedra and tetrahedra fill the whole grid, so it has to be the "
+          "box: got %g to %g along %c where the box has %g to %g; or use `mesh: slice`",
+          def->place, grid->min[a], grid->max[a], "xyz"[a], low, high);
+  }
   if (def->mesh_kind == LTH_MESH_HEXAHEDRA) return lth_mesh_hexahedra(ctx, grid, &body->mesh);
   return lth_mesh_tetrahedra(ctx, grid, &body->mesh);
 }
@@ -83,11 +118,15 @@ LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
   LthGrid grid;
   lth_progress(ctx, "meshing", -1);
   lth_shape_bounds(&body->def->shape, min, max);
+  if (!(min[0] < max[0] && min[1] < max[1] && min[2] < max[2]))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s.shape: it is empty: its parts have no space in common; move or enlarge them",
+               body->def->place);
   LITHE_TRY(lth_build_grid(ctx, body->def, min, max, &grid));
   if (body->def->mesh_kind == LTH_MESH_SLICE)
     LITHE_TRY(build_slices(ctx, body, &grid));
   else
-    LITHE_TRY(build_boxes(ctx, body, &grid));
+    LITHE_TRY(build_boxes(ctx, body, &grid, min, max));
   measure_box(body);
   return LITHE_OK;
 }

@@ -85,9 +85,9 @@ static LitheStatus mark(LitheCtx *ctx, const LthBody *body, LitheIndex i,
   bool any = false;
   if (c->normal_only || !(c->fixed[0] && c->fixed[1] && c->fixed[2]))
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
-               "%s: %s: strong and interior constraints hold all three components; for `null` "
+               "%s: strong and interior constraints hold all three components; for `null` "
                "components and rollers use `enforce: weak` without `interior`",
-               body->scene->file, c->path);
+               c->place);
   LTH_NEW_OR(done, ctx, chosen, body->mesh->n_cells);
   LITHE_TRY_OR(done, lth_select_cells(ctx, body->mesh, &c->where, chosen));
   for (LitheIndex k = 0; k < body->mesh->n_cells; k++) {
@@ -95,11 +95,11 @@ static LitheStatus mark(LitheCtx *ctx, const LthBody *body, LitheIndex i,
     if (chosen[k] && constraint_of[k] == 0) constraint_of[k] = i + 1;
   }
   if (!any)
-    status = lth_fail(
-        ctx, LITHE_BAD_INPUT,
-        "%s: %s.where: selects no element; the body reaches from (%g, %g, %g) to (%g, %g, %g)",
-        body->scene->file, c->path, body->box[0], body->box[1], body->box[2], body->box[3],
-        body->box[4], body->box[5]);
+    status =
+        lth_fail(ctx, LITHE_BAD_INPUT,
+                 "%s.where: selects no element; the body reaches from (%g, %g, %g) to (%g, %g, %g)",
+                 c->place, body->box[0], body->box[1], body->box[2], body->box[3], body->box[4],
+                 body->box[5]);
 
 done:
   lth_free(ctx, chosen);

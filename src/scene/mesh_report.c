@@ -4,6 +4,8 @@
 #include "scene/body.h"
 #include "scene/scene_public.h"
 
+#include <string.h>
+
 /// Cell arrays of a mesh on its own: volume and number.
 static LitheStatus write_mesh(LitheCtx *ctx, const LthMesh *mesh, const char *path) {
   LitheStatus status = LITHE_OK;
@@ -56,6 +58,10 @@ LitheStatus lithe_mesh(LitheCtx *ctx, const LitheScene *scene, const char *path,
   LthBody body = {.scene = scene->scene, .def = scene->scene->bodies};
   LthMeshQuality quality;
   double start = lth_now();
+  const char *end = path ? strrchr(path, '.') : NULL;
+  if (path && !(end && strcmp(end, ".vtu") == 0))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: a mesh is written as VTU; expected a name with .vtu",
+               path);
   LITHE_TRY_OR(done, lth_build_mesh(ctx, &body));
   double seconds = lth_now() - start;
   LITHE_TRY_OR(done, lth_mesh_quality(ctx, body.mesh, &quality));

@@ -101,6 +101,7 @@ static LitheStatus read_body(LthReader *r, const LthNode *node, LthSceneBody *bo
   const char *path = lth_node_path(r->arena, node, NULL), *name = lth_read_text(node, "name");
   const char *given = name ? name : "body";
   body->path = lth_arena_text(r->arena, path ? path : "", path ? strlen(path) : 0);
+  body->place = lth_report_place(r->report, node);
   body->name = lth_arena_text(r->arena, given, strlen(given));
   if (!body->path || !body->name)
     LITHE_FAIL(r->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");

@@ -37,6 +37,7 @@ static bool has_free_component(const LthSceneConstraint *c) {
 static LitheStatus read_constraint(LthReader *r, const LthNode *node, LthSceneConstraint *c) {
   static const char *const enforcements[] = {"weak", "strong", NULL};
   LITHE_TRY(copy_path(r, node, &c->path));
+  c->place = lth_report_place(r->report, node);
   c->is_position = lth_node_find(node, "position") != NULL;
   read_prescribed(r, node, c->is_position ? "position" : "displacement", c);
   c->strong = lth_read_word(node, "enforce", enforcements) == 1;
@@ -81,7 +82,7 @@ static void check_load(LthReader *r, const LthNode *node, const LthSceneLoad *lo
 static LitheStatus read_load(LthReader *r, const LthNode *node, LthSceneLoad *load) {
   static const char *const kinds[] = {"traction", "total_force", "pressure", "stress",
                                       "body_force"};
-  LITHE_TRY(copy_path(r, node, &load->path));
+  load->place = lth_report_place(r->report, node);
   for (int kind = 0; kind < 5; kind++)
     if (lth_node_find(node, kinds[kind])) load->kind = (LthLoadKind)kind;
   const char *key = kinds[load->kind];

@@ -108,8 +108,8 @@ void lth_read_contact(LthReader *r) {
   scene->contact_damping = lth_read_number(contact, "damping", 0);
   int which = lth_read_word(contact, "points", points);
   bool has_embed = scene->n_bodies > 0 && scene->bodies[0].has_embed;
-  scene->contact_nodes = which == 2 || (which == 0 && !has_embed);
-  if (which == 1 && !has_embed)
+  scene->contact_points = (LthContactPoints)which;
+  if (which == LTH_POINTS_SURFACE && !has_embed)
     lth_report(r->report, lth_node_find(contact, "points"),
                "no surface is embedded, got \"surface\"; expected "
                "nodes, or embed in the body");

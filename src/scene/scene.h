@@ -22,14 +22,15 @@ typedef struct LthResolution {
 } LthResolution;
 
 typedef struct LthSceneConstraint {
-  char *path; ///< "bodies.0.constraints.1", for messages and `reaction`
+  char *path;        ///< "bodies.0.constraints.1", for `reaction`
+  const char *place; ///< "scene.yaml:8:9: bodies.0.constraints.1", for messages
   LthWhere where;
   bool fixed[3], normal_only, is_position, strong, interior;
   LthValue value[3];
 } LthSceneConstraint;
 
 typedef struct LthSceneLoad {
-  char *path;
+  const char *place; ///< "scene.yaml:12:9: bodies.0.loads.0", for messages
   LthWhere where;
   LthLoadKind kind;
   LthValue value[3], stress[9];
@@ -45,6 +46,7 @@ typedef struct LthSceneMaterial {
 
 typedef struct LthSceneBody {
   char *name, *path;
+  const char *place;        ///< "scene.yaml:3:5: bodies.0", for messages
   LthShape shape;           ///< placed: scene axes, scale and place
   LthSoup *soup;            ///< of a mesh shape, placed, file order; NULL otherwise
   LthSurface *surface;      ///< of a mesh shape, cleaned and placed; NULL otherwise
@@ -79,6 +81,13 @@ typedef enum LthLinearSolver {
   LTH_SOLVER_PCG
 } LthLinearSolver;
 
+/// What touches. Auto: see build_contact.c.
+typedef enum LthContactPoints {
+  LTH_POINTS_AUTO,
+  LTH_POINTS_SURFACE,
+  LTH_POINTS_NODES
+} LthContactPoints;
+
 typedef struct LthSceneProbe {
   char *name;
   double point[3];
@@ -96,7 +105,7 @@ typedef struct LthScene {
   LitheIndex n_colliders;
   double contact_stiffness; ///< 0: auto
   double contact_friction, contact_damping;
-  bool contact_nodes; ///< points: nodes
+  LthContactPoints contact_points;
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic

@@ -101,6 +101,30 @@ with folder() as d:
            near(error["l2"], 0.01 * (4 * 3.14159 / 15) ** 0.5) and near(error["h1"], 0.01 * (4 * 3.14159 / 3) ** 0.5) and
            0.0095 < error["linf"] <= 0.01, (error, off.stderr))
 
+# the surface of a box has points at its corners only; the elements between them touch the floor as well
+DROP = """lithe: 1
+bodies:
+  - name: block
+    shape: {box: {min: [-0.1, 0, -0.1], max: [0.1, 0.1, 0.1]}}
+    material: {young_modulus: 50 kPa, poisson_ratio: 0.3, density: 1000, damping: {mass: 5}}
+    method: {cells: 4}
+    embed: {}
+gravity: [0, -10, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0, 1, 0]}
+time: {kind: dynamic, duration: 0.5, step: 1/100}
+probes:
+  - {name: middle, point: [0, 0, 0]}
+output: {fields: [none], surface: [none]}
+"""
+with folder() as d:
+    write(d, DROP, "drop.yaml")
+    got = run("run", "drop.yaml", "--json", cwd=d)
+    sunk = json.loads(got.stdout)["probes"]["middle"]["displacement"][1] if got.returncode == 0 else None
+    expect("the_middle_of_a_large_polygon_stays_on_the_floor", sunk is not None and -0.001 < sunk < 0.001, (sunk, got.stderr))
+    got = run("run", "drop.yaml", "--json", "--set", "contact.points=surface", cwd=d)
+    expect("touching_at_corners_only_is_told", got.returncode == 0 and "`auto` adds the nodes" in got.stderr, got.stderr)
+
 # ways to fail: the message says what, where and what helps
 with folder() as d:
     write(d, BEAM)
@@ -108,7 +132,7 @@ with folder() as d:
     empty = BEAM.replace("point: [0, 0, 0], normal: [-1, 0, 0]", "point: [-1, 0, 0], normal: [-1, 0, 0]")
     write(d, empty, "empty.yaml")
     check("empty_selection_names_the_path_and_the_body", ["run", "empty.yaml"], status=2, cwd=d,
-          err="lithe: empty.yaml: bodies.0.constraints.0.where: selects nothing of the body's boundary; "
+          err="lithe: empty.yaml:9:9: bodies.0.constraints.0.where: selects nothing of the body's boundary; "
               "the body reaches from (0, 0, 0) to (1, 0.2, 0.2)\n")
     write(d, BEAM.replace("displacement: [0, 0, 0]}", "displacement: [0, null, 0]}"), "free.yaml")
     got = run("run", "free.yaml", cwd=d)
@@ -119,6 +143,21 @@ with folder() as d:
     expect("all_errors_of_a_file_come_at_once", got.returncode == 2 and got.stdout == "" and
            len(got.stderr.splitlines()) > 1 and all(x.startswith("bad.yaml:") for x in got.stderr.splitlines()),
            got.stderr)
+
+    # shapes and grids that do not fit each other
+    write(d, BEAM.replace("cells: [5, 1, 1]", "grid: {min: [0, 0, 0], max: [0.8, 0.2, 0.2], cells: [4, 1, 1]}"), "grid.yaml")
+    check("a_grid_of_hexahedra_is_the_box", ["check", "grid.yaml"], status=2, cwd=d,
+          err="lithe: grid.yaml:4:5: bodies.0.method.grid: hexahedra and tetrahedra fill the whole grid, so it has to "
+              "be the box: got 0 to 0.8 along x where the box has 0 to 1; or use `mesh: slice`\n")
+    check("a_grid_holds_the_sliced_body", ["check", "grid.yaml", "--set", "bodies.0.method.mesh=slice"], status=2, cwd=d,
+          err="lithe: grid.yaml:4:5: bodies.0.method.grid: it does not hold the body, which reaches from (0, 0, 0) to "
+              "(1, 0.2, 0.2); got a grid from (0, 0, 0) to (0.8, 0.2, 0.2)\n")
+    check("an_empty_intersection_is_named", ["check", "beam.yaml", "--set", "bodies.0.method.mesh=slice", "--set",
+          "bodies.0.shape={intersection: [{sphere: {center: [0,0,0], radius: 1}}, {sphere: {center: [5,0,0], radius: 1}}]}"],
+          err="lithe: beam.yaml:4:5: bodies.0.shape: it is empty: its parts have no space in common; move or enlarge "
+              "them\n", status=2, cwd=d)
+    check("a_mesh_is_written_as_vtu", ["mesh", "beam.yaml", "-o", "beam.msh"], status=2, cwd=d,
+          err="lithe: beam.msh: a mesh is written as VTU; expected a name with .vtu\n")
 
     # an expression that comes out undefined is named, in whichever step that is
     load = "    loads:\n      - {where: {normal: [1, 0, 0]}, traction: [0, \"%s\", 0]}\ngravity"

@@ -43,7 +43,7 @@ static void gives_the_documented_defaults(void **state) {
   check_vector(s->gravity, 0, 0, 0, 0);
   assert_int_equal(s->n_colliders, 0);
   CHECK_NEAR(s->contact_stiffness, 0, 0);
-  assert_true(s->contact_nodes);
+  assert_int_equal(s->contact_points, LTH_POINTS_AUTO);
   assert_int_equal(s->time_kind, LTH_TIME_STATIC);
   assert_int_equal(s->linear, LTH_SOLVER_AUTO);
   CHECK_NEAR(s->tolerance, 1e-8, 0);
@@ -256,7 +256,7 @@ static void reads_solver_probes_exact_and_output(void **state) {
   const LthSceneBody *b = &s->bodies[0];
   assert_true(b->has_embed && b->interpolation == LTH_EMBED_STITCHED &&
               b->samples == LTH_SAMPLE_FACES);
-  assert_false(s->contact_nodes);
+  assert_int_equal(s->contact_points, LTH_POINTS_AUTO);
   end_reading(&r);
 }
 
