@@ -159,3 +159,21 @@ LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, c
   memcpy(*path + n_folder + needs_slash, name, n_name + 1);
   return LITHE_OK;
 }
+
+LitheStatus lth_path_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                              LitheIndex number, const char *ending, char **path) {
+  char name[64];
+  snprintf(name, sizeof name, "%s_%04d.%s", stem, number, ending);
+  return lth_path_join(ctx, folder, name, path);
+}
+
+LitheStatus lth_file_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                                     LitheIndex first, const char *ending) {
+  for (bool found = true; found; first++) {
+    char *path;
+    LITHE_TRY(lth_path_numbered(ctx, folder, stem, first, ending, &path));
+    found = unlink(path) == 0;
+    lth_free(ctx, path);
+  }
+  return LITHE_OK;
+}

@@ -24,3 +24,11 @@ LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);
 
 /// "a/b" from "a" and "b" (an absolute "b" stays as it is); freed by lth_free().
 LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path);
+
+/// "folder/stem_0007.ending"; freed by lth_free().
+LitheStatus lth_path_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                              LitheIndex number, const char *ending, char **path);
+
+/// Remove what a longer run left behind: numbered files from `first` on.
+LitheStatus lth_file_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
+                                     LitheIndex first, const char *ending);

@@ -38,11 +38,3 @@ LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const Lth
                                     double period, LthSurfaceOutput **out);
 LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body);
 LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out);
-
-/// "folder/stem_0007.ending"; freed by lth_free().
-LitheStatus lth_numbered_path(LitheCtx *ctx, const char *folder, const char *stem,
-                              LitheIndex number, const char *ending, char **path);
-
-/// Remove what a longer run left behind: numbered files from `first` on.
-LitheStatus lth_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
-                                LitheIndex first, const char *ending);

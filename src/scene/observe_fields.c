@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 struct LthFields {
   char *folder;
@@ -22,24 +21,6 @@ struct LthFields {
   LitheCount cap_frames;
   double *times; ///< (n_frames)
 };
-
-LitheStatus lth_numbered_path(LitheCtx *ctx, const char *folder, const char *stem,
-                              LitheIndex number, const char *ending, char **path) {
-  char name[64];
-  snprintf(name, sizeof name, "%s_%04d.%s", stem, number, ending);
-  return lth_path_join(ctx, folder, name, path);
-}
-
-LitheStatus lth_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,
-                                LitheIndex first, const char *ending) {
-  for (bool found = true; found; first++) {
-    char *path;
-    LITHE_TRY(lth_numbered_path(ctx, folder, stem, first, ending, &path));
-    found = unlink(path) == 0;
-    lth_free(ctx, path);
-  }
-  return LITHE_OK;
-}
 
 static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
   LitheIndex n_cells = body->mesh->n_cells;
@@ -133,7 +114,7 @@ LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) sample_cell(body, f, c);
   LTH_RESERVE(ctx, f->times, f->cap_frames, f->n_frames + 1);
-  LITHE_TRY(lth_numbered_path(ctx, f->folder, "fields", f->n_frames, "vtu", &path));
+  LITHE_TRY(lth_path_numbered(ctx, f->folder, "fields", f->n_frames, "vtu", &path));
   LitheStatus status = write_vtu(ctx, f, body, path);
   lth_free(ctx, path);
   LITHE_TRY(status);
@@ -145,7 +126,8 @@ LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
   LthFields *f = *fields;
   if (!f) return LITHE_OK;
   LitheStatus status = LITHE_OK;
-  if (f->n_frames > 0) status = lth_remove_numbered(ctx, f->folder, "fields", f->n_frames, "vtu");
+  if (f->n_frames > 0)
+    status = lth_file_remove_numbered(ctx, f->folder, "fields", f->n_frames, "vtu");
   lth_vtu_topology_destroy(ctx, &f->topology);
   lth_free(ctx, f->folder);
   lth_free(ctx, f->cell_point_off);

@@ -89,7 +89,7 @@ typedef LitheStatus WriteFn(LitheCtx *ctx, const char *path, const LthSoup *soup
 static LitheStatus write_numbered(LitheCtx *ctx, const LthSurfaceOutput *out, const LthBody *body,
                                   const char *ending, WriteFn *write) {
   char *path;
-  LITHE_TRY(lth_numbered_path(ctx, out->folder, "surface", out->n_frames, ending, &path));
+  LITHE_TRY(lth_path_numbered(ctx, out->folder, "surface", out->n_frames, ending, &path));
   LitheStatus status = write(ctx, path, body->soup, out->points);
   lth_free(ctx, path);
   return status;
@@ -114,9 +114,9 @@ static LitheStatus remove_rest(LitheCtx *ctx, const LthSurfaceOutput *out) {
   const char *folder = out->folder;
   LitheIndex n = out->n_frames;
   if (n == 0) return LITHE_OK;
-  if (out->kinds[0]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "obj"));
-  if (out->kinds[1]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "ply"));
-  if (out->kinds[2]) LITHE_TRY(lth_remove_numbered(ctx, folder, "surface", n, "stl"));
+  if (out->kinds[0]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "obj"));
+  if (out->kinds[1]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "ply"));
+  if (out->kinds[2]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "stl"));
   return LITHE_OK;
 }
 
