@@ -40,11 +40,8 @@ static LitheStatus check_held(LitheCtx *ctx, const LthBody *body) {
 }
 
 static LthStepOptions step_options(const LthScene *scene) {
-  static const LthLinearChoice choice[] = {[LTH_SOLVER_AUTO] = LTH_LINEAR_AUTO,
-                                           [LTH_SOLVER_CHOLESKY] = LTH_LINEAR_CHOLESKY,
-                                           [LTH_SOLVER_PCG] = LTH_LINEAR_PCG};
   LthStepOptions options = lth_step_options_default();
-  options.linear = choice[scene->linear];
+  options.linear = scene->linear;
   if (scene->tolerance > 0) options.tolerance = scene->tolerance;
   if (scene->newton_tolerance > 0) options.newton_tolerance = scene->newton_tolerance;
   if (scene->newton_iterations > 0) options.newton_iterations = scene->newton_iterations;

@@ -73,7 +73,7 @@ static LitheStatus predict_factor(LitheCtx *ctx, const LthBlockMatrix *A, double
 
 static void predict_cost(const LthScene *scene, const LthMesh *mesh, double bytes, double flops,
                          LitheForecast *f) {
-  bool is_pcg = scene->linear == LTH_SOLVER_PCG;
+  bool is_pcg = scene->linear == LTH_LINEAR_PCG;
   double matrix = 8.0 * (double)f->nonzeros;
   double corners = mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
   double one_solve =

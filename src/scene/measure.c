@@ -95,7 +95,10 @@ static LitheStatus sample_cell(LitheCtx *ctx, const LthBody *body, LitheIndex ce
 static int compare_samples(const void *left, const void *right) {
   const Sample *a = left, *b = right;
   if (a->von_mises != b->von_mises) return a->von_mises < b->von_mises ? -1 : 1;
-  return (a->cell > b->cell) - (a->cell < b->cell);
+  if (a->cell != b->cell) return a->cell < b->cell ? -1 : 1;
+  for (int i = 0; i < 3; i++)
+    if (a->at[i] != b->at[i]) return a->at[i] < b->at[i] ? -1 : 1;
+  return 0;
 }
 
 static void read_figures(const LthBody *body, Samples *samples, LthStressFigures *figures) {

@@ -90,7 +90,7 @@ void lth_read_solver(LthReader *r) {
   static const char *const linear[] = {"auto", "cholesky", "pcg", NULL};
   const LthNode *solver = lth_node_get(r->root, "solver"), *newton = lth_node_get(solver, "newton");
   LthScene *scene = r->scene;
-  scene->linear = (LthLinearSolver)lth_read_word(solver, "linear", linear);
+  scene->linear = (LthLinearChoice)lth_read_word(solver, "linear", linear);
   scene->tolerance = lth_read_number(solver, "tolerance", 1e-8);
   scene->threads = lth_read_integer(solver, "threads", 0);
   scene->newton_tolerance = lth_read_number(newton, "tolerance", 1e-8);

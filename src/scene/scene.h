@@ -3,13 +3,11 @@
 
 #include "base/ctx.h"
 #include "base/value.h"
-#include "disc/dg/dg_load.h"
-#include "disc/dg/dg_operator.h"
-#include "embed/contact.h"
 #include "embed/embedding.h"
 #include "geometry/shape.h"
 #include "material/material.h"
 #include "mesh/selection.h"
+#include "step/simulation.h"
 
 typedef enum LthMeshKind { LTH_MESH_SLICE, LTH_MESH_HEXAHEDRA, LTH_MESH_TETRAHEDRA } LthMeshKind;
 
@@ -75,11 +73,6 @@ typedef struct LthSceneBody {
 } LthSceneBody;
 
 typedef enum LthTimeKind { LTH_TIME_STATIC, LTH_TIME_QUASISTATIC, LTH_TIME_DYNAMIC } LthTimeKind;
-typedef enum LthLinearSolver {
-  LTH_SOLVER_AUTO,
-  LTH_SOLVER_CHOLESKY,
-  LTH_SOLVER_PCG
-} LthLinearSolver;
 
 /// What touches. Auto: see build_contact.c.
 typedef enum LthContactPoints {
@@ -109,7 +102,7 @@ typedef struct LthScene {
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic
-  LthLinearSolver linear;
+  LthLinearChoice linear;
   double tolerance;
   int threads;
   double newton_tolerance;

@@ -45,7 +45,7 @@ static void gives_the_documented_defaults(void **state) {
   CHECK_NEAR(s->contact_stiffness, 0, 0);
   assert_int_equal(s->contact_points, LTH_POINTS_AUTO);
   assert_int_equal(s->time_kind, LTH_TIME_STATIC);
-  assert_int_equal(s->linear, LTH_SOLVER_AUTO);
+  assert_int_equal(s->linear, LTH_LINEAR_AUTO);
   CHECK_NEAR(s->tolerance, 1e-8, 0);
   CHECK_NEAR(s->newton_tolerance, 1e-8, 0);
   assert_int_equal(s->newton_iterations, 100);
@@ -236,7 +236,7 @@ static void reads_solver_probes_exact_and_output(void **state) {
                 "exact: {position: [x, y, \"z + t\"], stress: [[1, 0, 0], [0, x, 0], [0, 0, 0]]}\n"
                 "output: {every: last, fields: none, surface: [obj, stl], space: file}\n");
   const LthScene *s = r.scene;
-  assert_int_equal(s->linear, LTH_SOLVER_PCG);
+  assert_int_equal(s->linear, LTH_LINEAR_PCG);
   CHECK_NEAR(s->tolerance, 1e-10, 0);
   assert_int_equal(s->threads, 2);
   CHECK_NEAR(s->newton_tolerance, 1e-6, 0);
