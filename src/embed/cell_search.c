@@ -1,4 +1,4 @@
-/// Point in polyhedron by solid angles, and the distance to faces with holes.
+/// Point in polyhedron by solid angles; the nearest element beyond.
 #include "embed/cell_search.h"
 
 #include "base/tensor.h"
@@ -30,42 +30,11 @@ double lth_cell_winding(const LthMesh *mesh, LitheIndex cell, const double x[3])
   return angle / (4 * M_PI);
 }
 
-/// 1 where a ray from x along axis a crosses segment pq, seen along the dropped axis.
-static int crossing(const double p[3], const double q[3], const double x[3], int a, int b) {
-  if ((p[b] > x[b]) == (q[b] > x[b])) return 0;
-  double t = (x[b] - p[b]) / (q[b] - p[b]);
-  return p[a] + t * (q[a] - p[a]) > x[a] ? 1 : 0;
-}
-
-/// Squared distance to a planar face: its plane where x projects into it, else its nearest edge.
-static double face_distance2(const LthFaceView *v, const double x[3]) {
-  int drop = 0, crossings = 0;
-  for (int i = 1; i < 3; i++)
-    if (fabs(v->normal[i]) > fabs(v->normal[drop])) drop = i;
-  int a = (drop + 1) % 3, b = (drop + 2) % 3;
-  double d[3], foot[3], best = INFINITY;
-  lth_v3_sub(x, loop_point(v, v->loop_off[0]), d);
-  double height = lth_v3_dot(d, v->normal);
-  lth_v3_copy(x, foot);
-  lth_v3_axpy(-height, v->normal, foot);
-  for (LitheIndex l = 0; l < v->n_loops; l++)
-    for (LitheIndex i = v->loop_off[l]; i < v->loop_off[l + 1]; i++) {
-      LitheIndex next = i + 1 < v->loop_off[l + 1] ? i + 1 : v->loop_off[l];
-      const double *p = loop_point(v, i), *q = loop_point(v, next);
-      double closest[3];
-      crossings += crossing(p, q, foot, a, b);
-      lth_closest_on_triangle(p, q, q, x, closest);
-      lth_v3_sub(x, closest, d);
-      best = fmin(best, lth_v3_dot(d, d));
-    }
-  return crossings & 1 ? height * height : best;
-}
-
 double lth_cell_distance2(const LthMesh *mesh, LitheIndex cell, const double x[3]) {
   double best = INFINITY;
   for (LitheIndex i = mesh->cell_face_off[cell]; i < mesh->cell_face_off[cell + 1]; i++) {
     LthFaceView v = lth_mesh_face(mesh, mesh->cell_face[i]);
-    best = fmin(best, face_distance2(&v, x));
+    best = fmin(best, lth_face_distance2(&v, x));
   }
   return best;
 }

@@ -106,7 +106,6 @@ LitheStatus lth_bvh_create_boxes(LitheCtx *ctx, LitheIndex n, const double *boxe
   LTH_NEW_OR(done, ctx, t->right, n_nodes);
   LTH_NEW_OR(done, ctx, t->first, n_nodes);
   LTH_NEW_OR(done, ctx, t->count, n_nodes);
-  t->n_items = n;
   for (LitheIndex i = 0; i < n; i++) t->item[i] = i;
   build_node(&(Build){t, boxes}, 0, n);
   LITHE_ASSERT(t->n_nodes <= n_nodes);

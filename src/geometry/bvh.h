@@ -7,8 +7,8 @@
 
 /// Immutable once built; safe to read from many threads. A node's left child is the next node.
 typedef struct LthBvh {
-  LitheIndex n_items, n_nodes;
-  LitheIndex *item;          ///< items in the order of the leaves           (n_items)
+  LitheIndex n_nodes;
+  LitheIndex *item;          ///< items in the order of the leaves           (n)
   double *box;               ///< min, max of a node                         (n_nodes x 6)
   LitheIndex *right;         ///< right child of an inner node, -1: a leaf   (n_nodes)
   LitheIndex *first;         ///< a leaf's items item[first[k] ... + count[k]) (n_nodes)

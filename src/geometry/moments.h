@@ -51,3 +51,6 @@ double lth_face_area_centroid(const LthFaceView *face, double centroid[3]);
 /// Moments int_f s^i t^j dA (lth_monomials2(p), [m^2]), x = origin + h (s t1 + t t2).
 void lth_face_moments(int p, const double origin[3], const double t1[3], const double t2[3],
                       double h, const LthFaceView *face, double *moments);
+
+/// Squared distance from x to a face: to its plane where x lies above it, else to its edges [m^2].
+double lth_face_distance2(const LthFaceView *face, const double x[3]);

@@ -20,10 +20,19 @@ void lth_mesh_destroy(LitheCtx *ctx, LthMesh **mesh) {
   *mesh = NULL;
 }
 
+void lth_mesh_bounds(const LthMesh *mesh, double min[3], double max[3]) {
+  for (int a = 0; a < 3; a++) min[a] = INFINITY, max[a] = -INFINITY;
+  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+    for (int a = 0; a < 3; a++) {
+      min[a] = fmin(min[a], mesh->cell_box[6 * (LitheCount)c + a]);
+      max[a] = fmax(max[a], mesh->cell_box[6 * (LitheCount)c + 3 + a]);
+    }
+}
+
 LthFaceView lth_mesh_face(const LthMesh *mesh, LitheIndex f) {
   LitheIndex first = mesh->face_loop_off[f];
   return (LthFaceView){mesh->points, mesh->loop_off + first, mesh->loop_point,
-                       mesh->face_loop_off[f + 1] - first, mesh->face_normal + 3 * f};
+                       mesh->face_loop_off[f + 1] - first, mesh->face_normal + 3 * (LitheCount)f};
 }
 
 static LitheStatus copy_block(LitheCtx *ctx, void **to, const void *from, LitheCount n,
@@ -82,12 +91,12 @@ static LitheStatus check_faces(LitheCtx *ctx, const LthMesh *m) {
 static LitheStatus list_cell_faces(LitheCtx *ctx, LthMesh *m) {
   LTH_NEW(ctx, m->cell_face_off, (LitheCount)m->n_cells + 2);
   LitheIndex *off = m->cell_face_off;
-  for (LitheIndex i = 0; i < 2 * m->n_faces; i++)
+  for (LitheCount i = 0; i < 2 * (LitheCount)m->n_faces; i++)
     if (m->face_cell[i] >= 0) off[m->face_cell[i] + 2]++;
   for (LitheIndex c = 0; c < m->n_cells; c++) off[c + 2] += off[c + 1];
   LTH_NEW(ctx, m->cell_face, off[m->n_cells + 1]);
-  for (LitheIndex i = 0; i < 2 * m->n_faces; i++)
-    if (m->face_cell[i] >= 0) m->cell_face[off[m->face_cell[i] + 1]++] = i / 2;
+  for (LitheCount i = 0; i < 2 * (LitheCount)m->n_faces; i++)
+    if (m->face_cell[i] >= 0) m->cell_face[off[m->face_cell[i] + 1]++] = (LitheIndex)(i / 2);
   return LITHE_OK;
 }
 

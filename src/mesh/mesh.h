@@ -35,6 +35,9 @@ typedef struct LthMesh {
 
 void lth_mesh_destroy(LitheCtx *ctx, LthMesh **mesh);
 
+/// Smallest box along the axes that holds the mesh [m].
+void lth_mesh_bounds(const LthMesh *mesh, double min[3], double max[3]);
+
 /// The loops of face f.
 LthFaceView lth_mesh_face(const LthMesh *mesh, LitheIndex f);
 

@@ -13,14 +13,8 @@ void lth_where_free(LitheCtx *ctx, LthWhere *where) {
 }
 
 static double body_size(const LthMesh *mesh) {
-  double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY},
-         size = 0;
-  for (LitheIndex c = 0; c < mesh->n_cells; c++)
-    for (int i = 0; i < 3; i++) {
-      const double *box = mesh->cell_box + 6 * (LitheCount)c;
-      min[i] = fmin(min[i], box[i]);
-      max[i] = fmax(max[i], box[3 + i]);
-    }
+  double min[3], max[3], size = 0;
+  lth_mesh_bounds(mesh, min, max);
   for (int i = 0; i < 3; i++) size = fmax(size, max[i] - min[i]);
   return size;
 }

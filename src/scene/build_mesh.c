@@ -100,17 +100,8 @@ static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid
 }
 
 static void measure_box(LthBody *body) {
-  const LthMesh *mesh = body->mesh;
-  for (int a = 0; a < 3; a++) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (LitheIndex c = 0; c < mesh->n_cells; c++) {
-      low = fmin(low, mesh->cell_box[6 * (LitheCount)c + a]);
-      high = fmax(high, mesh->cell_box[6 * (LitheCount)c + 3 + a]);
-    }
-    body->box[a] = low;
-    body->box[3 + a] = high;
-    body->size = fmax(body->size, high - low);
-  }
+  lth_mesh_bounds(body->mesh, body->box, body->box + 3);
+  for (int a = 0; a < 3; a++) body->size = fmax(body->size, body->box[3 + a] - body->box[a]);
 }
 
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
