@@ -72,5 +72,9 @@ LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *pl
 LitheStatus lth_strong_create(LitheCtx *ctx, const LthBody *body, LthStrong **strong);
 void lth_strong_destroy(LitheCtx *ctx, LthStrong **strong);
 const uint8_t *lth_strong_cells(const LthStrong *strong);
+/// Forces that strong constraints put on their cells at rest or in even motion, from the imbalance without
+/// them: added to `reaction` (constraints x 3) [N].
+void lth_strong_add_reactions(const LthStrong *strong, const LthSceneConstraint *constraints,
+                              const double *imbalance, double *reaction);
 /// Fits LthBodyDef.prescribe.
 LitheStatus lth_strong_prescribe(const void *strong, double t, double *x);

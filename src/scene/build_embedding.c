@@ -1,6 +1,7 @@
 /// The surface that follows a body.
 #include "scene/body.h"
 
+#include <math.h>
 #include <string.h>
 
 /// A triangle surface as polygons of its own.
@@ -52,10 +53,35 @@ static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *c
   return status;
 }
 
+/// A surface of its own that lies elsewhere is most likely in another unit or place: it would be carried
+/// along by the nearest elements.
+static void warn_of_far_points(LitheCtx *ctx, const LthBody *body) {
+  const LthSoup *soup = body->def->embed_soup;
+  const double margin = body->mesh->cell_size;
+  LitheIndex n_far = 0;
+  double farthest = 0;
+  for (LitheIndex i = 0; soup && i < soup->n_points; i++) {
+    double outside = 0;
+    for (int a = 0; a < 3; a++) {
+      double x = soup->points[3 * (LitheCount)i + a];
+      outside = fmax(outside, fmax(body->box[a] - x, x - body->box[3 + a]));
+    }
+    n_far += outside > margin;
+    farthest = fmax(farthest, outside);
+  }
+  if (n_far > 0)
+    lth_warn(
+        ctx,
+        "%s.embed.surface: %d of %d points lie outside the body, up to %.3g m away, and follow "
+        "its nearest elements: are unit, scale and place those of the shape?",
+        body->def->path, n_far, soup->n_points, farthest);
+}
+
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
   LITHE_TRY(choose_soup(ctx, body));
+  warn_of_far_points(ctx, body);
   LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
   LITHE_TRY_OR(done, known_cells(ctx, body, cells));
   LITHE_TRY_OR(done, lth_embedding_create(ctx, body->space, body->soup->n_points,

@@ -2,6 +2,8 @@
 /// the prescribed field, by quadrature points that are kept.
 #include "scene/body.h"
 
+#include "base/tensor.h"
+
 #include <string.h>
 
 /// One prescribed cell: coefficient i = sum_q test[i][q] field(points[q]).
@@ -55,6 +57,16 @@ LitheStatus lth_strong_prescribe(const void *self, double t, double *x) {
     }
   }
   return LITHE_OK;
+}
+
+void lth_strong_add_reactions(const LthStrong *strong, const LthSceneConstraint *constraints,
+                              const double *imbalance, double *reaction) {
+  for (LitheIndex i = 0; i < strong->n; i++) {
+    const StrongCell *cell = strong->cells + i;
+    // phi_0 = 1: its coefficient of a force is the whole force on the cell
+    const double *force = imbalance + 3 * (LitheCount)strong->space->func_off[cell->cell];
+    lth_v3_axpy(-1, force, reaction + 3 * (cell->constraint - constraints));
+  }
 }
 
 static LitheStatus prepare_cell(LitheCtx *ctx, const LthDgSpace *space, StrongCell *cell) {

@@ -1,6 +1,7 @@
 /// result.json: the figures of a whole run.
 #include "scene/result.h"
 
+#include "base/tensor.h"
 #include "io/json.h"
 
 #include <math.h>
@@ -52,23 +53,35 @@ static void put_energy(LthJson *json, const LthStepReport *r) {
 }
 
 /// Forces of the weak constraints on the body; strong ones have none of their own: null.
+/// Forces of all constraints on the body, in the scene's order (n_constraints x 3).
+static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, double *reaction) {
+  LitheStatus status = LITHE_OK;
+  const double *imbalance;
+  double *weak;
+  LTH_NEW(ctx, weak, 3 * (LitheCount)body->n_weak);
+  lth_dg_reactions(body->op, lth_simulation_time(body->sim), lth_simulation_position(body->sim),
+                   weak);
+  for (LitheIndex k = 0; k < body->n_weak; k++)
+    lth_v3_copy(weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
+  if (!body->strong) goto done;
+  LITHE_TRY_OR(done, lth_simulation_imbalance(ctx, body->sim, &imbalance));
+  lth_strong_add_reactions(body->strong, body->def->constraints, imbalance, reaction);
+
+done:
+  lth_free(ctx, weak);
+  return status;
+}
+
 static LitheStatus put_reactions(LitheCtx *ctx, LthJson *json, const LthBody *body) {
   double *reaction;
-  LTH_NEW(ctx, reaction, 3 * (LitheCount)body->n_weak);
-  lth_dg_reactions(body->op, lth_simulation_time(body->sim), lth_simulation_position(body->sim),
-                   reaction);
-  const double none[3] = {NAN, NAN, NAN};
-  LitheIndex k = 0;
+  LTH_NEW(ctx, reaction, 3 * (LitheCount)body->def->n_constraints);
+  LitheStatus status = find_reactions(ctx, body, reaction);
   lth_json_begin_object(json, "reaction");
-  for (LitheIndex i = 0; i < body->def->n_constraints; i++) {
-    bool is_weak = k < body->n_weak && body->weak_of[k] == i;
-    lth_json_vector(json, body->def->constraints[i].path, 3,
-                    is_weak ? reaction + 3 * (LitheCount)k : none);
-    k += is_weak;
-  }
+  for (LitheIndex i = 0; i < body->def->n_constraints; i++)
+    lth_json_vector(json, body->def->constraints[i].path, 3, reaction + 3 * (LitheCount)i);
   lth_json_end_object(json);
   lth_free(ctx, reaction);
-  return LITHE_OK;
+  return status;
 }
 
 static LitheStatus put_state(LitheCtx *ctx, LthJson *json, const LthBody *body,

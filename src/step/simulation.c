@@ -119,6 +119,11 @@ void lth_simulation_set_time(LthSimulation *sim, double t) { sim->t = t; }
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *s) { return s->A; }
 const LthStepReport *lth_simulation_report(const LthSimulation *s) { return &s->report; }
 
+LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *s, const double **force) {
+  *force = s->force;
+  return lth_step_assemble(ctx, s, s->t);
+}
+
 const double *lth_simulation_displacement(LthSimulation *s) {
   for (LitheCount i = 0; i < s->n; i++) s->u[i] = s->x[i] - s->x_rest[i];
   return s->u;

@@ -76,6 +76,10 @@ double lth_simulation_time(const LthSimulation *sim);
 void lth_simulation_set_time(LthSimulation *sim, double t);
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
+/// External less internal force at the present state, contact not among them: (n_dofs) [N], valid until the
+/// next call on `sim`. Overwrites the matrix.
+LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);
+
 /// One linearly implicit Euler step of length dt:
 ///   ((1 + h a) M + (h^2 + h b) K_w + contact) v1 = M v0 + h (f_ext - f_int(x0; R(x0))),  x1 = x0 + h v1.
 /// A linear solve that misses its tolerance is told in the report (converged = false), not an error.

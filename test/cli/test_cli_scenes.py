@@ -44,6 +44,9 @@ with folder() as d:
            body["dofs"] == 150 and abs(body["volume"] - 0.04) < 1e-15, body)
     reaction = result["reaction"]["bodies.0.constraints.0"]
     expect("reaction_carries_the_weight", abs(reaction[1] - 40) < 1e-6 * 40, reaction)
+    strong = json.loads(run("run", "beam.yaml", "--json", "--set", "bodies.0.constraints.0.enforce=strong", "-o", "strong",
+                            cwd=d).stdout)["reaction"]["bodies.0.constraints.0"]
+    expect("a_strong_constraint_carries_the_weight", abs(strong[1] - 40) < 1e-6 * 40 and abs(strong[0]) < 1e-5, strong)
     files = set(os.listdir(os.path.join(d, "result")))
     expect("a_static_run_writes_one_state", files == {"result.json", "history.csv", "probes.csv",
                                                       "fields.pvd", "fields_0000.vtu"}, files)
@@ -124,6 +127,13 @@ with folder() as d:
     expect("the_middle_of_a_large_polygon_stays_on_the_floor", sunk is not None and -0.001 < sunk < 0.001, (sunk, got.stderr))
     got = run("run", "drop.yaml", "--json", "--set", "contact.points=surface", cwd=d)
     expect("touching_at_corners_only_is_told", got.returncode == 0 and "`auto` adds the nodes" in got.stderr, got.stderr)
+
+    with open(os.path.join(d, "tet.obj"), "w") as file:
+        file.write("v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    got = run("run", "drop.yaml", "--set", "bodies.0.embed.surface=tet.obj", "--set", "colliders=[]", "--set", "time.duration=0.01",
+              cwd=d)
+    expect("an_embedded_surface_elsewhere_is_told", got.returncode == 0 and
+           "bodies.0.embed.surface: 3 of 4 points lie outside the body, up to 29.9 m away" in got.stderr, got.stderr)
 
 # ways to fail: the message says what, where and what helps
 with folder() as d:
