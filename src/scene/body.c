@@ -25,7 +25,7 @@ static LitheStatus check_held(LitheCtx *ctx, const LthBody *body) {
   const LthScene *scene = body->scene;
   LthFreeMotions free;
   if (scene->time_kind == LTH_TIME_DYNAMIC || scene->n_colliders > 0) return LITHE_OK;
-  const uint8_t *strong = body->strong ? lth_strong_cells(body->strong) : NULL;
+  const uint8_t *strong = body->strong ? lth_dg_strong_cells(body->strong) : NULL;
   LITHE_TRY(lth_free_motions(ctx, body->op, body->space, strong, &free));
   if (free.first < 0) return LITHE_OK;
   const double *at = body->mesh->cell_centroid + 3 * (LitheCount)free.first;
@@ -57,8 +57,8 @@ static LitheStatus build_simulation(LitheCtx *ctx, LthBody *body) {
                     .damping_stiffness = body->damping_stiffness,
                     .loads = body->loads,
                     .n_loads = body->n_loads,
-                    .strong = body->strong ? lth_strong_cells(body->strong) : NULL,
-                    .prescribe = body->strong ? lth_strong_prescribe : NULL,
+                    .strong = body->strong ? lth_dg_strong_cells(body->strong) : NULL,
+                    .prescribe = body->strong ? lth_dg_strong_prescribe : NULL,
                     .prescribe_self = body->strong,
                     .contact = body->contact,
                     .warped = body->warped};
@@ -111,7 +111,7 @@ void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   lth_soup_destroy(ctx, &b->own_soup);
   lth_dg_operator_destroy(ctx, &b->op);
   lth_free(ctx, b->loads);
-  lth_strong_destroy(ctx, &b->strong);
+  lth_dg_strong_destroy(ctx, &b->strong);
   lth_free(ctx, b->weak);
   lth_free(ctx, b->weak_of);
   free_patches(ctx, b);

@@ -1,11 +1,9 @@
 /// A body as it is simulated: everything that is built from a scene's description of it.
 #pragma once
 
+#include "disc/dg/dg_strong.h"
 #include "scene/scene.h"
 #include "step/simulation.h"
-
-/// What strong constraints prescribe (build_strong.c).
-typedef struct LthStrong LthStrong;
 
 /// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`.
 typedef struct LthBody {
@@ -31,7 +29,7 @@ typedef struct LthBody {
   LthWeakConstraint *weak;
   LitheIndex *weak_of; ///< scene constraint behind each weak one          (n_weak)
   LitheIndex n_weak;
-  LthStrong *strong; ///< NULL: none
+  LthDgStrong *strong; ///< NULL: none
   LthLoad *loads;
   LitheIndex n_loads;
 
@@ -67,14 +65,3 @@ LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double 
 /// The patches that `where` selects; none is an error that names `place` and the body's box.
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches);
-
-/// Strong constraints: for every cell whether it moves as prescribed, and its coefficients at a time.
-LitheStatus lth_strong_create(LitheCtx *ctx, const LthBody *body, LthStrong **strong);
-void lth_strong_destroy(LitheCtx *ctx, LthStrong **strong);
-const uint8_t *lth_strong_cells(const LthStrong *strong);
-/// Forces that strong constraints put on their cells at rest or in even motion, from the imbalance without
-/// them: added to `reaction` (constraints x 3) [N].
-void lth_strong_add_reactions(const LthStrong *strong, const LthSceneConstraint *constraints,
-                              const double *imbalance, double *reaction);
-/// Fits LthBodyDef.prescribe.
-LitheStatus lth_strong_prescribe(const void *strong, double t, double *x);

@@ -65,7 +65,7 @@ static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, double *re
     lth_v3_copy(weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
   if (!body->strong) goto done;
   LITHE_TRY_OR(done, lth_simulation_imbalance(ctx, body->sim, &imbalance));
-  lth_strong_add_reactions(body->strong, body->def->constraints, imbalance, reaction);
+  lth_dg_strong_add_reactions(body->strong, imbalance, reaction);
 
 done:
   lth_free(ctx, weak);
