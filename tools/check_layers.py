@@ -21,10 +21,9 @@ ALLOWED = {
     "material": BASE,
     "disc/dg": LOW | {"mesh", "material"},
     "embed": LOW | {"mesh", "material", "disc/dg"},
-    "system": LOW | {"mesh", "material", "disc/dg", "embed"},
-    "step": LOW | {"mesh", "material", "disc/dg", "embed", "system"},
+    "step": LOW | {"mesh", "material", "disc/dg", "embed"},
     "io": LOW | {"mesh"},
-    "scene": LOW | {"mesh", "material", "disc/dg", "embed", "system", "step", "io"},
+    "scene": LOW | {"mesh", "material", "disc/dg", "embed", "step", "io"},
 }
 # the table of engines is the one place that names them
 EXCEPTIONS = {("src/la/engine.c", "engine/local")}
