@@ -54,6 +54,9 @@ void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M) {
   *M = NULL;
 }
 
+/// As lth_block_matrix_is_large(): inverses are read like a product's blocks.
+static bool is_large(const LthBlockJacobi *M) { return M->inv_off[M->n_rows] > 50000; }
+
 /// B = B^-1 in place by symmetric elimination without exchange, which is stable for definite B. The
 /// pivots are those of L D L^T: B is definite exactly where all are positive.
 LTH_CLONES
@@ -99,7 +102,7 @@ static bool update_row(LthBlockJacobi *M, const LthBlockMatrix *A, LitheIndex ro
 
 LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthBlockMatrix *A,
                                     const double *extra) {
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) if (is_large(M))
   for (LitheIndex row = 0; row < M->n_rows; row++) M->failed[row] = !update_row(M, A, row, extra);
   for (LitheIndex row = 0; row < M->n_rows; row++)
     if (M->failed[row])
@@ -133,7 +136,7 @@ void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const d
 
 static void apply_inverse(const void *self, int threads, const double *r, double *z) {
   const LthBlockJacobi *M = self;
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(threads) if (is_large(M))
   for (LitheIndex row = 0; row < M->n_rows; row++) lth_block_jacobi_apply_row(M, row, r, z);
 }
 

@@ -142,7 +142,7 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
 }
 
 void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y) {
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(threads) if (lth_block_matrix_is_large(A))
   for (LitheIndex row = 0; row < A->n_rows; row++) apply_row(A, row, -1, x, y);
 }
 

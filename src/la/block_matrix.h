@@ -33,6 +33,12 @@ void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *
 void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                                 const double *x, double *y);
 
+/// True where products are long enough for several threads to pay; to wake them takes microseconds, and on a
+/// busy machine much longer.
+static inline bool lth_block_matrix_is_large(const LthBlockMatrix *A) {
+  return A->value_off[A->block_off[A->n_rows]] > 150000;
+}
+
 /// Largest |A - A^T| over largest |A|.
 double lth_block_matrix_asymmetry(const LthBlockMatrix *A);
 

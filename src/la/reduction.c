@@ -96,7 +96,7 @@ static void copy_row(const LthBlockMatrix *A, LitheIndex row, double scale, cons
 static void apply_schur(const void *self, int threads, const double *x, double *y) {
   const LthReduction *r = self;
   const LthBlockMatrix *A = r->A;
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(threads) if (lth_block_matrix_is_large(r->A))
   {
 #pragma omp for schedule(static) nowait
     for (LitheIndex k = 0; k < r->n_black; k++) copy_row(A, r->black[k], 1, x, r->w);
@@ -117,7 +117,7 @@ static void apply_schur(const void *self, int threads, const double *x, double *
 /// Block-Jacobi on the black rows; red residuals are zero.
 static void apply_black_inverse(const void *self, int threads, const double *x, double *z) {
   const LthReduction *r = self;
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(threads) if (lth_block_matrix_is_large(r->A))
   {
 #pragma omp for schedule(static) nowait
     for (LitheIndex k = 0; k < r->n_black; k++) lth_block_jacobi_apply_row(r->M, r->black[k], x, z);
@@ -129,7 +129,7 @@ static void apply_black_inverse(const void *self, int threads, const double *x, 
 /// rhs = (0, b_b - A_br D_r^-1 b_r); x_r = 0 for the time of the solve.
 static void reduce(LthReduction *r, int threads, const double *b, double *x) {
   const LthBlockMatrix *A = r->A;
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(threads) if (lth_block_matrix_is_large(r->A))
   {
 #pragma omp for schedule(static) nowait
     for (LitheIndex k = 0; k < r->n_black; k++) copy_row(A, r->black[k], 0, b, r->w);
@@ -151,7 +151,7 @@ static void reduce(LthReduction *r, int threads, const double *b, double *x) {
 /// x_r = D_r^-1 (b_r - A_rb x_b)
 static void expand(LthReduction *r, int threads, const double *b, double *x) {
   const LthBlockMatrix *A = r->A;
-#pragma omp parallel for schedule(static) num_threads(threads)
+#pragma omp parallel for schedule(static) num_threads(threads) if (lth_block_matrix_is_large(A))
   for (LitheIndex k = 0; k < r->n_red; k++) {
     LitheIndex row = r->red[k];
     lth_block_matrix_apply_row(A, row, A->diagonal[row], x, r->t);

@@ -8,6 +8,8 @@
 #define MAX_BLOCKS 512
 #define MIN_BLOCK 2048 // doubles; smaller pieces are not worth a thread
 #define LANES 8
+#define PARALLEL_MIN                                                                               \
+  40000 // entries; to wake a second thread costs some microseconds, or a lot on a busy machine
 
 /// How n entries are cut; depends on n only.
 typedef struct Blocks {
@@ -71,7 +73,7 @@ static void xpay_block(LitheCount n, const double *restrict x, double a, double 
 double lth_dot(int threads, LitheCount n, const double *x, const double *y) {
   double part[MAX_BLOCKS];
   Blocks b = cut(n);
-#pragma omp parallel for schedule(static) num_threads(threads) if (b.count > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (n > PARALLEL_MIN)
   for (int i = 0; i < b.count; i++)
     part[i] = x == y ? square_block(block_length(b, i), x + i * b.size)
                      : dot_block(block_length(b, i), x + i * b.size, y + i * b.size);
@@ -81,7 +83,7 @@ double lth_dot(int threads, LitheCount n, const double *x, const double *y) {
 double lth_residual(int threads, LitheCount n, const double *b, const double *q, double *r) {
   double part[MAX_BLOCKS];
   Blocks k = cut(n);
-#pragma omp parallel for schedule(static) num_threads(threads) if (k.count > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (n > PARALLEL_MIN)
   for (int i = 0; i < k.count; i++) {
     LitheCount first = i * k.size, length = block_length(k, i);
     for (LitheCount j = first; j < first + length; j++) r[j] = b[j] - q[j];
@@ -92,7 +94,7 @@ double lth_residual(int threads, LitheCount n, const double *b, const double *q,
 
 void lth_direction(int threads, LitheCount n, const double *z, double beta, double *p) {
   Blocks b = cut(n);
-#pragma omp parallel for schedule(static) num_threads(threads) if (b.count > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (n > PARALLEL_MIN)
   for (int i = 0; i < b.count; i++)
     xpay_block(block_length(b, i), z + i * b.size, beta, p + i * b.size);
 }
@@ -101,7 +103,7 @@ double lth_advance(int threads, LitheCount n, double alpha, const double *p, con
                    double *x, double *r) {
   double part[MAX_BLOCKS];
   Blocks b = cut(n);
-#pragma omp parallel for schedule(static) num_threads(threads) if (b.count > 1)
+#pragma omp parallel for schedule(static) num_threads(threads) if (n > PARALLEL_MIN)
   for (int i = 0; i < b.count; i++) {
     LitheCount first = i * b.size, length = block_length(b, i);
     axpy_block(length, alpha, p + first, x + first);

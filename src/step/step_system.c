@@ -42,7 +42,8 @@ LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h) 
 
 void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck) {
   LthBlockMatrix *A = s->A;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
   for (LitheIndex row = 0; row < A->n_rows; row++) {
     LitheCount first = A->value_off[A->block_off[row]], last = A->value_off[A->block_off[row + 1]];
     if (ck != 1)

@@ -257,7 +257,7 @@ static void assemble_pairs(const LthDgOperator *op, LitheIndex cell, LthBlockMat
 }
 
 void lth_dg_assemble(LthDgOperator *op, double t, LthBlockMatrix *K, double *f0) {
-#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < op->space->n_cells; cell++) {
     assemble_diagonal(op, cell, K->values + K->value_off[K->diagonal[cell]]);
     assemble_pairs(op, cell, K);
@@ -287,7 +287,7 @@ static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double
 }
 
 void lth_dg_assemble_load(LthDgOperator *op, double t, double *f0) {
-#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < op->space->n_cells; cell++)
     cell_load(op, cell, t, f0 + 3 * (LitheCount)op->space->func_off[cell]);
 }

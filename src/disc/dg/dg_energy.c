@@ -150,7 +150,7 @@ static double hold_energy(const LthDgOperator *op, const LthDgHold *hold, double
 
 double lth_dg_energy(LthDgOperator *op, double t, const double *x) {
   LitheIndex n_cells = op->space->n_cells;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < n_cells; cell++) {
     double S[9 * LTH_DG_MAX_LOWER], u[3 * LTH_DG_MAX_FUNCS];
     lth_dg_stress_coefficients(op, cell, x, S);

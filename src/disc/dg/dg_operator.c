@@ -122,7 +122,7 @@ static void mean_gradient(const LthDgOperator *op, LitheIndex cell, const double
 
 void lth_dg_update_rotations(LthDgOperator *op, const double *x) {
   if (!op->warped) return;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(op->ctx))
+#pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex c = 0; c < op->space->n_cells; c++) {
     double F[9];
     mean_gradient(op, c, x, F);

@@ -108,6 +108,12 @@ struct LthDgOperator {
   double penalty_min, penalty_max;
 };
 
+/// Threads of a loop over cells in a step: one where the body is so small that it is done before another wakes
+/// (which takes microseconds, and on a busy machine much longer).
+static inline int lth_dg_threads(const LthDgOperator *op) {
+  return op->space->n_dofs > 3000 ? lth_threads(op->ctx) : 1;
+}
+
 static inline int lth_dg_lower(const LthDgSpace *s, LitheIndex cell) {
   return lth_monomials3(s->degree[cell] - 1);
 }
