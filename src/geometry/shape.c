@@ -121,15 +121,6 @@ static void axis_bounds(const LthShape *s, double min[3], double max[3]) {
   }
 }
 
-static void surface_bounds(const LthSurface *s, double min[3], double max[3]) {
-  for (int i = 0; i < 3; i++) min[i] = INFINITY, max[i] = -INFINITY;
-  for (LitheIndex p = 0; p < s->n_points; p++)
-    for (int i = 0; i < 3; i++) {
-      min[i] = fmin(min[i], s->points[3 * (size_t)p + (size_t)i]);
-      max[i] = fmax(max[i], s->points[3 * (size_t)p + (size_t)i]);
-    }
-}
-
 /// Bounds of a union (grow) or an intersection (shrink) of the children.
 static void children_bounds(const LthShape *s, bool is_union, double min[3], double max[3]) {
   for (LitheIndex c = 0; c < s->n_children; c++) {
@@ -159,7 +150,7 @@ void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
     axis_bounds(s, min, max);
     return;
   case LTH_SHAPE_MESH:
-    surface_bounds(s->surface, min, max);
+    lth_surface_bounds(s->surface, min, max);
     return;
   case LTH_SHAPE_IMPLICIT:
     lth_v3_copy(s->box, min);

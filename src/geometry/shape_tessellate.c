@@ -2,6 +2,7 @@
 #include "geometry/isosurface.h"
 #include "geometry/shape.h"
 
+#include "base/disjoint_sets.h"
 #include "base/tensor.h"
 
 #define TRIS_MAX 2e8 ///< triangles of a primitive that are worth waiting for
@@ -286,25 +287,20 @@ static LitheStatus build_isosurface(Builder *b, const LthShape *s, double resolu
   return LITHE_OK;
 }
 
-static LitheIndex find_root(LitheIndex *parent, LitheIndex i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /// Number the connected shells in the order of their first triangles.
 static LitheStatus number_shells(LitheCtx *ctx, LthSurface *s) {
   LitheIndex *parent = NULL, *shell = NULL;
   LitheStatus status = LITHE_OK;
   LTH_NEW_OR(done, ctx, parent, s->n_points);
   LTH_NEW_OR(done, ctx, shell, s->n_points);
-  for (LitheIndex p = 0; p < s->n_points; p++) parent[p] = p, shell[p] = -1;
+  lth_sets_reset(parent, s->n_points);
+  for (LitheIndex p = 0; p < s->n_points; p++) shell[p] = -1;
   for (LitheIndex h = 0; h < 3 * s->n_tris; h++) {
-    LitheIndex p = find_root(parent, s->tris[h]), q = find_root(parent, s->tris[h / 3 * 3]);
-    parent[p > q ? p : q] = p > q ? q : p;
+    lth_sets_unite(parent, s->tris[h], s->tris[h / 3 * 3]);
   }
   s->n_shells = 0;
   for (LitheIndex t = 0; t < s->n_tris; t++) {
-    LitheIndex root = find_root(parent, s->tris[3 * (size_t)t]);
+    LitheIndex root = lth_sets_root(parent, s->tris[3 * (size_t)t]);
     if (shell[root] < 0) shell[root] = s->n_shells++;
     s->tri_shell[t] = shell[root];
   }

@@ -44,6 +44,17 @@ static LitheStatus copy_block(LitheCtx *ctx, void **to, const void *from, LitheC
 
 #define COPY(to, from, n) LITHE_TRY(copy_block(ctx, (void **)&(to), (from), (n), sizeof *(to)))
 
+/// Three numbers of every point and face, and six of every cell, are counted in a LitheIndex.
+static LitheStatus check_sizes(LitheCtx *ctx, const LthMeshDef *def) {
+  if (def->n_points <= INT32_MAX / 3 && def->n_faces <= INT32_MAX / 3 &&
+      def->n_cells <= INT32_MAX / 6)
+    return LITHE_OK;
+  LITHE_FAIL(
+      ctx, LITHE_UNSUPPORTED,
+      "mesh: %d points, %d faces and %d cells are more than a mesh can hold; use larger cells",
+      def->n_points, def->n_faces, def->n_cells);
+}
+
 static LitheStatus copy_def(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
   LitheIndex n_loops = def->face_loop_off[def->n_faces];
   COPY(m->points, def->points, 3 * (LitheCount)def->n_points);
@@ -119,6 +130,7 @@ static LitheStatus check_cell(LitheCtx *ctx, const LthMesh *m, LitheIndex c) {
 }
 
 static LitheStatus build(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
+  LITHE_TRY(check_sizes(ctx, def));
   LITHE_TRY(copy_def(ctx, def, m));
   LITHE_TRY(check_faces(ctx, m));
   LITHE_TRY(list_cell_faces(ctx, m));

@@ -1,27 +1,19 @@
 /// What `lithe mesh` reports: counts, volumes, how closed and how slender elements are.
+#include "base/disjoint_sets.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_measure.h"
 
 #include <math.h>
 
-static LitheIndex root_of(LitheIndex *parent, LitheIndex i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 /// Number of sets of elements that hang together through inner faces.
 static LitheStatus count_components(LitheCtx *ctx, const LthMesh *m, LitheIndex *n) {
   LitheIndex *parent = NULL;
   LTH_NEW(ctx, parent, m->n_cells);
-  for (LitheIndex c = 0; c < m->n_cells; c++) parent[c] = c;
+  lth_sets_reset(parent, m->n_cells);
   *n = m->n_cells;
   for (LitheIndex f = 0; f < m->n_faces; f++) {
     if (m->face_cell[2 * f + 1] < 0) continue;
-    LitheIndex a = root_of(parent, m->face_cell[2 * f]);
-    LitheIndex b = root_of(parent, m->face_cell[2 * f + 1]);
-    if (a == b) continue;
-    parent[a > b ? a : b] = a > b ? b : a;
-    --*n;
+    *n -= lth_sets_unite(parent, m->face_cell[2 * f], m->face_cell[2 * f + 1]);
   }
   lth_free(ctx, parent);
   return LITHE_OK;

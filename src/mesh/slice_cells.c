@@ -1,6 +1,7 @@
 /// Parts to elements: in each cell those that hang together by edges; cavities join what is around them.
 #include "mesh/slice.h"
 
+#include "base/disjoint_sets.h"
 #include "base/tensor.h"
 
 #include <math.h>
@@ -29,19 +30,6 @@ typedef struct Grouping {
   LitheIndex *first; ///< of elements: first of their sides in a chain over `next`
   LitheIndex *next;  ///< of sides, -1 at the end
 } Grouping;
-
-static LitheIndex find_root(LitheIndex *parent, LitheIndex i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-static void unite(LitheIndex *parent, LitheIndex a, LitheIndex b) {
-  LitheIndex i = find_root(parent, a), j = find_root(parent, b);
-  if (i < j)
-    parent[j] = i;
-  else
-    parent[i] = j;
-}
 
 static int compare_sides(const void *a, const void *b) {
   const CellSide *x = a, *y = b;
@@ -93,13 +81,13 @@ static LitheStatus unite_cell(Grouping *g, const CellSide *side, LitheCount n) {
   qsort(g->edge, (size_t)n_edges, sizeof *g->edge, compare_side_edges);
   for (LitheCount i = 1; i < n_edges; i++)
     if (g->edge[i].points == g->edge[i - 1].points)
-      unite(g->parent, g->edge[i].side, g->edge[i - 1].side);
+      lth_sets_unite(g->parent, g->edge[i].side, g->edge[i - 1].side);
   return LITHE_OK;
 }
 
 static LitheStatus unite_all(Grouping *g) {
   LTH_NEW(g->s->ctx, g->parent, 2 * g->s->parts.n);
-  for (LitheIndex i = 0; i < 2 * g->s->parts.n; i++) g->parent[i] = i;
+  lth_sets_reset(g->parent, 2 * g->s->parts.n);
   for (LitheCount i = 0, j; i < g->n; i = j) {
     for (j = i + 1; j < g->n && g->list[j].cell == g->list[i].cell;) j++;
     LITHE_TRY(unite_cell(g, g->list + i, j - i));
@@ -115,7 +103,7 @@ static LitheStatus number_elements(Grouping *g) {
   LTH_NEW(s->ctx, g->next, 2 * s->parts.n);
   for (LitheCount i = 0; i < 2 * s->parts.n; i++) e->of[i] = g->next[i] = -1;
   for (LitheCount i = 0; i < g->n; i++) {
-    LitheIndex root = find_root(g->parent, g->list[i].side);
+    LitheIndex root = lth_sets_root(g->parent, g->list[i].side);
     if (e->of[root] < 0) e->of[root] = e->n++;
     e->of[g->list[i].side] = e->of[root];
   }

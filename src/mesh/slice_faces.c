@@ -1,6 +1,7 @@
 /// Parts to faces of the mesh; those that a merge left side by side in one plane are joined.
 #include "mesh/slice.h"
 
+#include "base/disjoint_sets.h"
 #include "base/tensor.h"
 
 #include <math.h>
@@ -110,11 +111,6 @@ static LitheStatus write_part(Faces *f, const FacePart *at) {
   return write_face(f, at, loop_off[at->part], loop_off[at->part + 1]);
 }
 
-static LitheIndex find_root(LitheIndex *parent, LitheIndex i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 static int compare_run_edges(const void *a, const void *b) {
   const RunEdge *x = a, *y = b;
   if (x->points != y->points) return x->points < y->points ? -1 : 1;
@@ -126,8 +122,8 @@ static LitheStatus connect_run(Faces *f, const FacePart *run, LitheIndex n) {
   const SliceParts *parts = &f->s->parts;
   LitheCount n_edges = 0;
   LTH_RESERVE(f->s->ctx, f->run_parent, f->run_parent_cap, n);
+  lth_sets_reset(f->run_parent, n);
   for (LitheIndex i = 0; i < n; i++) {
-    f->run_parent[i] = i;
     LitheIndex p = run[i].part;
     for (LitheIndex l = parts->loop_off[p]; l < parts->loop_off[p + 1]; l++) {
       LitheIndex first = parts->off[l], last = parts->off[l + 1];
@@ -141,9 +137,7 @@ static LitheStatus connect_run(Faces *f, const FacePart *run, LitheIndex n) {
   qsort(f->run_edge, (size_t)n_edges, sizeof *f->run_edge, compare_run_edges);
   for (LitheCount i = 1; i < n_edges; i++) {
     if (f->run_edge[i].points != f->run_edge[i - 1].points) continue;
-    LitheIndex a = find_root(f->run_parent, f->run_edge[i].part);
-    LitheIndex b = find_root(f->run_parent, f->run_edge[i - 1].part);
-    f->run_parent[a > b ? a : b] = a > b ? b : a;
+    lth_sets_unite(f->run_parent, f->run_edge[i].part, f->run_edge[i - 1].part);
   }
   return LITHE_OK;
 }
@@ -153,7 +147,7 @@ static LitheStatus write_joined(Faces *f, const FacePart *run, LitheIndex n, Lit
   SliceParts *parts = &f->s->parts;
   LitheIndex n_edges = 0;
   for (LitheIndex i = root; i < n; i++) {
-    if (find_root(f->run_parent, i) != root) continue;
+    if (lth_sets_root(f->run_parent, i) != root) continue;
     LitheIndex p = run[i].part;
     for (LitheIndex l = parts->loop_off[p]; l < parts->loop_off[p + 1]; l++) {
       LitheIndex first = parts->off[l], last = parts->off[l + 1];
@@ -179,9 +173,9 @@ static LitheStatus write_run(Faces *f, const FacePart *run, LitheIndex n) {
   }
   LITHE_TRY(connect_run(f, run, n));
   for (LitheIndex i = 0; i < n; i++) {
-    if (find_root(f->run_parent, i) != i) continue;
+    if (lth_sets_root(f->run_parent, i) != i) continue;
     LitheIndex size = 0;
-    for (LitheIndex j = i; j < n; j++) size += find_root(f->run_parent, j) == i;
+    for (LitheIndex j = i; j < n; j++) size += lth_sets_root(f->run_parent, j) == i;
     LITHE_TRY(size == 1 ? write_part(f, run + i) : write_joined(f, run, n, i));
   }
   return LITHE_OK;

@@ -1,6 +1,8 @@
 /// Slivers go to the neighbour with the largest common face, the smallest first.
 #include "mesh/slice.h"
 
+#include "base/disjoint_sets.h"
+
 #include <math.h>
 
 /// An element whose volume is below this share of its area to the power 3/2 has none: its size along
@@ -30,11 +32,6 @@ typedef struct Merger {
   HeapEntry *heap;
   LitheCount n_heap, heap_cap;
 } Merger;
-
-static LitheIndex find_root(LitheIndex *parent, LitheIndex i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
 
 static bool has_no_volume(const Slicer *s, LitheIndex i) {
   const SliceElements *e = &s->elements;
@@ -111,7 +108,7 @@ static LitheIndex find_neighbour(Merger *m, LitheIndex root) {
   const SliceElements *e = &m->s->elements;
   for (LitheIndex i = root; i >= 0; i = m->next[i])
     for (LitheIndex k = m->cap_off[i]; k < m->cap_off[i + 1]; k++) {
-      LitheIndex other = find_root(m->parent, e->of[m->cap[k] ^ 1]);
+      LitheIndex other = lth_sets_root(m->parent, e->of[m->cap[k] ^ 1]);
       if (other == root || e->group[other] < 0) continue;
       double area = m->s->parts.area[m->cap[k] / 2];
       if (m->contact[other] == 0 && area > 0) m->touched[m->n_touched++] = other;
@@ -172,7 +169,7 @@ static LitheStatus merge_all(Merger *m) {
 static void number_groups(Merger *m) {
   SliceElements *e = &m->s->elements;
   for (LitheIndex i = 0; i < e->n; i++) {
-    LitheIndex root = find_root(m->parent, i);
+    LitheIndex root = lth_sets_root(m->parent, i);
     if (root != i)
       e->group[i] = e->group[root];
     else if (e->group[i] >= 0) {

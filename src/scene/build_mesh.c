@@ -49,14 +49,10 @@ static double cell_edge(const LthGrid *grid) {
 /// A grid of its own has to hold the body: cells at its rim would reach on without an end.
 static LitheStatus check_covers(LitheCtx *ctx, const LthBody *body, const LthGrid *grid) {
   const LthSurface *s = body->surface;
-  double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  double low[3], high[3];
   bool is_covered = true;
   if (!body->def->resolution.has_grid) return LITHE_OK;
-  for (LitheIndex i = 0; i < s->n_points; i++)
-    for (int a = 0; a < 3; a++) {
-      low[a] = fmin(low[a], s->points[3 * (LitheCount)i + a]);
-      high[a] = fmax(high[a], s->points[3 * (LitheCount)i + a]);
-    }
+  lth_surface_bounds(s, low, high);
   for (int a = 0; a < 3; a++) {
     double rounding = 1e-9 * (high[a] - low[a]);
     is_covered =

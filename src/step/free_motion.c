@@ -1,6 +1,7 @@
 /// Rigid motions that no constraint resists: the null space of K on the six of every connected part.
 #include "step/free_motion.h"
 
+#include "base/disjoint_sets.h"
 #include "base/eigen.h"
 #include "base/tensor.h"
 
@@ -21,23 +22,16 @@ typedef struct Part {
   LitheCount rows;
 } Part;
 
-static LitheIndex root(LitheIndex *parent, LitheIndex c) {
-  while (parent[c] != c) c = parent[c] = parent[parent[c]];
-  return c;
-}
-
 /// Number of connected parts; part_of[c] is the part of cell c. Cells couple through inner faces.
 static LitheIndex find_parts(const LthMesh *mesh, LitheIndex *part_of) {
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = c;
+  lth_sets_reset(part_of, mesh->n_cells);
   for (LitheIndex f = 0; f < mesh->n_faces; f++) {
     if (mesh->face_cell[2 * f + 1] < 0) continue;
-    LitheIndex a = root(part_of, mesh->face_cell[2 * f]),
-               b = root(part_of, mesh->face_cell[2 * f + 1]);
-    part_of[a > b ? a : b] = a > b ? b : a;
+    lth_sets_unite(part_of, mesh->face_cell[2 * f], mesh->face_cell[2 * f + 1]);
   }
   // the root of a part is its lowest cell: number parts as their roots come
   LitheIndex n = 0;
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = root(part_of, c);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = lth_sets_root(part_of, c);
   for (LitheIndex c = 0; c < mesh->n_cells; c++)
     part_of[c] = part_of[c] == c ? -1 - n++ : part_of[part_of[c]];
   for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = -1 - part_of[c];

@@ -147,6 +147,16 @@ static void refuses_bad_cells(void **state) {
 
 /// Memory hooks that fail from the n-th allocation on.
 static int allocations_left;
+static void refuses_more_than_indices_can_count(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthMesh *mesh = NULL;
+  const LthMeshDef def = {.n_points = 4, .n_faces = INT32_MAX / 3 + 1, .n_cells = 1};
+  assert_int_equal(lth_mesh_create(ctx, &def, &mesh), LITHE_UNSUPPORTED);
+  assert_null(mesh);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
   (void)user;
   return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
@@ -176,6 +186,7 @@ int main(void) {
       cmocka_unit_test(planes_of_a_grid_end_exactly),
       cmocka_unit_test(measures_a_tetrahedron_far_from_the_origin),
       cmocka_unit_test(refuses_bad_cells),
+      cmocka_unit_test(refuses_more_than_indices_can_count),
       cmocka_unit_test(survives_failing_allocations),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
