@@ -199,18 +199,15 @@ void lth_face_frame(const double normal[3], double t1[3], double t2[3]) {
 double lth_face_area_centroid(const LthFaceView *face, double centroid[3]) {
   const double *x0 = face->points + 3 * face->loop_point[face->loop_off[0]];
   double area = 0, shift[3] = {0};
-  for (LitheIndex l = 0; l < face->n_loops; l++) {
-    LitheIndex begin = face->loop_off[l], end = face->loop_off[l + 1];
-    for (LitheIndex k = begin; k < end; k++) {
-      LitheIndex next = k + 1 < end ? k + 1 : begin;
-      double u[3], v[3], w[3];
-      lth_v3_sub(face->points + 3 * face->loop_point[k], x0, u);
-      lth_v3_sub(face->points + 3 * face->loop_point[next], x0, v);
-      lth_v3_cross(u, v, w);
-      double part = 0.5 * lth_v3_dot(w, face->normal);
-      area += part;
-      for (int i = 0; i < 3; i++) shift[i] += part * (u[i] + v[i]) / 3;
-    }
+  LitheIndex t[3];
+  for (LthFan fan = lth_fan(face); lth_fan_next(&fan, t);) {
+    double u[3], v[3], w[3];
+    lth_v3_sub(face->points + 3 * (LitheCount)t[1], x0, u);
+    lth_v3_sub(face->points + 3 * (LitheCount)t[2], x0, v);
+    lth_v3_cross(u, v, w);
+    double part = 0.5 * lth_v3_dot(w, face->normal);
+    area += part;
+    for (int i = 0; i < 3; i++) shift[i] += part * (u[i] + v[i]) / 3;
   }
   for (int i = 0; i < 3; i++) centroid[i] = x0[i] + (area != 0 ? shift[i] / area : 0);
   return area;

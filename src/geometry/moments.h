@@ -32,6 +32,33 @@ typedef struct LthFaceView {
   const double *normal; ///< unit
 } LthFaceView;
 
+/// The fan of triangles of a face about its first point. Signed about the normal they add up to the face, also
+/// where it is not convex or has holes; edges that touch the first point have no triangle.
+typedef struct LthFan {
+  const LthFaceView *face;
+  LitheIndex loop, edge;
+} LthFan;
+
+static inline LthFan lth_fan(const LthFaceView *face) {
+  return (LthFan){face, 0, face->loop_off[0]};
+}
+
+/// Corners of the next triangle, as rows of `points`; false at the end.
+static inline bool lth_fan_next(LthFan *fan, LitheIndex corner[3]) {
+  const LthFaceView *face = fan->face;
+  corner[0] = face->loop_point[face->loop_off[0]];
+  for (; fan->loop < face->n_loops; fan->loop++)
+    while (fan->edge < face->loop_off[fan->loop + 1]) {
+      LitheIndex k = fan->edge++;
+      corner[1] = face->loop_point[k];
+      corner[2] = face->loop_point[fan->edge < face->loop_off[fan->loop + 1]
+                                       ? fan->edge
+                                       : face->loop_off[fan->loop]];
+      if (corner[1] != corner[0] && corner[2] != corner[0]) return true;
+    }
+  return false;
+}
+
 /// Add to `moments` (lth_monomials3(p)) the contribution sign * this face to the moments
 /// int_K xi^alpha dV, xi_i = (x_i - center_i) / scale_i, of the polyhedron it bounds; sign +1 where
 /// `normal` points out of K. Summed over all faces of a closed K: exact to rounding, [m^3].

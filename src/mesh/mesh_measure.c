@@ -10,15 +10,13 @@
 static void area_vector(const LthFaceView *face, double n[3]) {
   const double *o = face->points + 3 * face->loop_point[face->loop_off[0]];
   n[0] = n[1] = n[2] = 0;
-  for (LitheIndex l = 0; l < face->n_loops; l++) {
-    LitheIndex first = face->loop_off[l], last = face->loop_off[l + 1];
-    for (LitheIndex i = first; i < last; i++) {
-      double a[3], b[3], c[3];
-      lth_v3_sub(face->points + 3 * face->loop_point[i], o, a);
-      lth_v3_sub(face->points + 3 * face->loop_point[i + 1 < last ? i + 1 : first], o, b);
-      lth_v3_cross(a, b, c);
-      lth_v3_add(n, c, n);
-    }
+  LitheIndex t[3];
+  for (LthFan fan = lth_fan(face); lth_fan_next(&fan, t);) {
+    double a[3], b[3], c[3];
+    lth_v3_sub(face->points + 3 * t[1], o, a);
+    lth_v3_sub(face->points + 3 * t[2], o, b);
+    lth_v3_cross(a, b, c);
+    lth_v3_add(n, c, n);
   }
 }
 
@@ -26,17 +24,15 @@ static void area_vector(const LthFaceView *face, double n[3]) {
 static void area_moment(const LthFaceView *face, const double normal[3], double m[3]) {
   const double *o = face->points + 3 * face->loop_point[face->loop_off[0]];
   m[0] = m[1] = m[2] = 0;
-  for (LitheIndex l = 0; l < face->n_loops; l++) {
-    LitheIndex first = face->loop_off[l], last = face->loop_off[l + 1];
-    for (LitheIndex i = first; i < last; i++) {
-      double a[3], b[3], c[3];
-      lth_v3_sub(face->points + 3 * face->loop_point[i], o, a);
-      lth_v3_sub(face->points + 3 * face->loop_point[i + 1 < last ? i + 1 : first], o, b);
-      lth_v3_cross(a, b, c);
-      double w = lth_v3_dot(c, normal);
-      lth_v3_axpy(w, a, m);
-      lth_v3_axpy(w, b, m);
-    }
+  LitheIndex t[3];
+  for (LthFan fan = lth_fan(face); lth_fan_next(&fan, t);) {
+    double a[3], b[3], c[3];
+    lth_v3_sub(face->points + 3 * t[1], o, a);
+    lth_v3_sub(face->points + 3 * t[2], o, b);
+    lth_v3_cross(a, b, c);
+    double w = lth_v3_dot(c, normal);
+    lth_v3_axpy(w, a, m);
+    lth_v3_axpy(w, b, m);
   }
 }
 

@@ -196,16 +196,12 @@ LitheStatus lth_patch_quadrature(LitheCtx *ctx, const LthFaceView *piece, int de
   size *= lth_simplex_rule_points(&rule);
   LTH_NEW_OR(done, ctx, *points, 3 * size);
   LTH_NEW_OR(done, ctx, *weights, size);
-  LitheIndex base = piece->loop_point[piece->loop_off[0]];
-  for (LitheIndex l = 0; l < piece->n_loops; l++)
-    for (LitheIndex k = piece->loop_off[l]; k < piece->loop_off[l + 1]; k++) {
-      LitheIndex next = k + 1 < piece->loop_off[l + 1] ? k + 1 : piece->loop_off[l];
-      LitheIndex a = piece->loop_point[k], b = piece->loop_point[next];
-      if (a == base || b == base) continue;
-      *n += triangle_points(&rule, piece->points + 3 * (LitheCount)base,
-                            piece->points + 3 * (LitheCount)a, piece->points + 3 * (LitheCount)b,
-                            piece->normal, *points + 3 * *n, *weights + *n);
-    }
+  LitheIndex t[3];
+  for (LthFan fan = lth_fan(piece); lth_fan_next(&fan, t);)
+    *n +=
+        triangle_points(&rule, piece->points + 3 * (LitheCount)t[0],
+                        piece->points + 3 * (LitheCount)t[1], piece->points + 3 * (LitheCount)t[2],
+                        piece->normal, *points + 3 * (LitheCount)*n, *weights + *n);
 done:
   if (status != LITHE_OK) {
     lth_free(ctx, *points);

@@ -119,20 +119,16 @@ static void principal_moments(const LthDgSpace *s, LitheIndex cell, int p, const
   for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
     LitheIndex f = mesh->cell_face[c];
     LthFaceView face = lth_mesh_face(mesh, f);
-    LitheIndex base = face.loop_point[face.loop_off[0]];
-    for (LitheIndex l = 0; l < face.n_loops; l++)
-      for (LitheIndex j = face.loop_off[l]; j < face.loop_off[l + 1]; j++) {
-        LitheIndex next = j + 1 < face.loop_off[l + 1] ? j + 1 : face.loop_off[l];
-        LitheIndex corner[3] = {base, face.loop_point[j], face.loop_point[next]};
-        if (corner[1] == base || corner[2] == base) continue;
-        double eta[9], d[3];
-        for (int a = 0; a < 3; a++) {
-          lth_v3_sub(face.points + 3 * (LitheCount)corner[a], s->center + 3 * cell, d);
-          lth_m3_apply(A, d, eta + 3 * a);
-        }
-        LthFaceView view = {eta, triangle_off, triangle, 1, face.normal};
-        lth_moments_add_face(p, zero, one, &view, lth_mesh_side(mesh, f, cell), moment);
+    LitheIndex corner[3];
+    for (LthFan fan = lth_fan(&face); lth_fan_next(&fan, corner);) {
+      double eta[9], d[3];
+      for (int a = 0; a < 3; a++) {
+        lth_v3_sub(face.points + 3 * (LitheCount)corner[a], s->center + 3 * cell, d);
+        lth_m3_apply(A, d, eta + 3 * a);
       }
+      LthFaceView view = {eta, triangle_off, triangle, 1, face.normal};
+      lth_moments_add_face(p, zero, one, &view, lth_mesh_side(mesh, f, cell), moment);
+    }
   }
 }
 

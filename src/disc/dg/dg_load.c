@@ -71,25 +71,21 @@ static void add_point(const LoadTarget *target, const double at[3], double weigh
   for (int i = 0; i < nb; i++) lth_v3_axpy(weight * phi[i], force, target->f + 3 * i);
 }
 
-/// Visit the signed triangles of a face, all with its first point as a corner.
+/// Visit the signed triangles of a face.
 static void for_triangles(const LthFaceView *face, const LoadTarget *target,
                           const LthSimplexRule *rule,
                           void (*visit)(const LoadTarget *, const LthSimplexRule *,
                                         const double corner[3][3], double area)) {
-  const double *apex = face->points + 3 * (LitheCount)face->loop_point[face->loop_off[0]];
-  for (LitheIndex l = 0; l < face->n_loops; l++)
-    for (LitheIndex k = face->loop_off[l]; k < face->loop_off[l + 1]; k++) {
-      LitheIndex next = k + 1 < face->loop_off[l + 1] ? k + 1 : face->loop_off[l];
-      double corner[3][3], u[3], v[3], w[3];
-      lth_v3_copy(apex, corner[0]);
-      lth_v3_copy(face->points + 3 * (LitheCount)face->loop_point[k], corner[1]);
-      lth_v3_copy(face->points + 3 * (LitheCount)face->loop_point[next], corner[2]);
-      lth_v3_sub(corner[1], apex, u);
-      lth_v3_sub(corner[2], apex, v);
-      lth_v3_cross(u, v, w);
-      double area = 0.5 * lth_v3_dot(w, face->normal);
-      if (area != 0) visit(target, rule, (const double(*)[3])corner, area);
-    }
+  LitheIndex t[3];
+  for (LthFan fan = lth_fan(face); lth_fan_next(&fan, t);) {
+    double corner[3][3], u[3], v[3], w[3];
+    for (int i = 0; i < 3; i++) lth_v3_copy(face->points + 3 * (LitheCount)t[i], corner[i]);
+    lth_v3_sub(corner[1], corner[0], u);
+    lth_v3_sub(corner[2], corner[0], v);
+    lth_v3_cross(u, v, w);
+    double area = 0.5 * lth_v3_dot(w, face->normal);
+    if (area != 0) visit(target, rule, (const double(*)[3])corner, area);
+  }
 }
 
 static void visit_surface(const LoadTarget *target, const LthSimplexRule *rule,

@@ -27,17 +27,13 @@ static void visit_cell(const LthSimplexRule *rule, const LthMesh *mesh, LitheInd
   for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
     LitheIndex f = mesh->cell_face[c];
     LthFaceView face = lth_mesh_face(mesh, f);
-    LitheIndex base = face.loop_point[face.loop_off[0]];
-    for (LitheIndex l = 0; l < face.n_loops; l++)
-      for (LitheIndex k = face.loop_off[l]; k < face.loop_off[l + 1]; k++) {
-        LitheIndex next = k + 1 < face.loop_off[l + 1] ? k + 1 : face.loop_off[l];
-        LitheIndex a = face.loop_point[k], b = face.loop_point[next];
-        if (a == base || b == base) continue;
-        const double *corner[4] = {
-            mesh->cell_centroid + 3 * (LitheCount)cell, face.points + 3 * (LitheCount)base,
-            face.points + 3 * (LitheCount)a, face.points + 3 * (LitheCount)b};
-        visit_tetrahedron(rule, corner, lth_mesh_side(mesh, f, cell), visit, self);
-      }
+    LitheIndex t[3];
+    for (LthFan fan = lth_fan(&face); lth_fan_next(&fan, t);) {
+      const double *corner[4] = {
+          mesh->cell_centroid + 3 * (LitheCount)cell, face.points + 3 * (LitheCount)t[0],
+          face.points + 3 * (LitheCount)t[1], face.points + 3 * (LitheCount)t[2]};
+      visit_tetrahedron(rule, corner, lth_mesh_side(mesh, f, cell), visit, self);
+    }
   }
 }
 
