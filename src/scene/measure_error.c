@@ -23,10 +23,9 @@ static void exact_gradient(const LthScene *scene, const double x[3], double t, d
   }
 }
 
-static void add_displacement(const LthBody *body, LitheIndex cell, const double x[3], double w,
-                             LthErrorFigures *sum) {
+static void add_displacement(const LthBody *body, LitheIndex cell, const double *coef,
+                             const double x[3], double w, LthErrorFigures *sum) {
   double t = lth_simulation_time(body->sim), u[3], exact[3], gradient[9], exact_g[9];
-  const double *coef = lth_simulation_displacement(body->sim);
   lth_dg_sample(body->space, cell, coef, x, u);
   exact_displacement(body->scene, x, t, exact);
   double e = lth_v3_distance(u, exact);
@@ -55,6 +54,7 @@ static void add_stress(const LthBody *body, LitheIndex cell, const double x[3], 
 }
 
 LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures) {
+  const double *coef = lth_simulation_displacement(body->sim);
   *figures = (LthErrorFigures){0};
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
     LitheIndex n;
@@ -63,7 +63,8 @@ LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigure
                                      &points, &weights));
     for (LitheIndex q = 0; q < n; q++) {
       const double *x = points + 3 * (LitheCount)q;
-      if (body->scene->has_exact_displacement) add_displacement(body, c, x, weights[q], figures);
+      if (body->scene->has_exact_displacement)
+        add_displacement(body, c, coef, x, weights[q], figures);
       if (body->scene->has_exact_stress) add_stress(body, c, x, weights[q], figures);
     }
     lth_free(ctx, points);

@@ -68,7 +68,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
 /// set an initial state.
 double *lth_simulation_position(LthSimulation *sim);
 double *lth_simulation_velocity(LthSimulation *sim);
-const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, kept up to date
+const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, computed by the call
 
 double lth_simulation_time(const LthSimulation *sim);
 
