@@ -324,16 +324,6 @@ static LitheStatus make_surface(Builder *b, LthSurface *s) {
   return number_shells(b->ctx, s);
 }
 
-static void free_surface(LitheCtx *ctx, LthSurface *s) {
-  if (!s) return;
-  lth_free(ctx, s->points);
-  lth_free(ctx, s->tris);
-  lth_free(ctx, s->tri_shell);
-  lth_free(ctx, s->tri_poly);
-  lth_free(ctx, s->soup_point);
-  lth_free(ctx, s);
-}
-
 /// A copy of `n` elements of `size`, *copy is NULL where memory is out.
 static LitheStatus copy_array(LitheCtx *ctx, const void *from, LitheCount n, size_t size,
                               void **copy) {
@@ -360,7 +350,7 @@ static LitheStatus copy_surface(LitheCtx *ctx, const LthSurface *from, LthSurfac
   LITHE_TRY_OR(done,
                copy_array(ctx, from->soup_point, s->n_soup_points, size, (void **)&s->soup_point));
 done:
-  if (status != LITHE_OK) free_surface(ctx, s), s = NULL;
+  if (status != LITHE_OK) lth_surface_destroy(ctx, &s);
   *copy = s;
   return status;
 }
@@ -401,6 +391,6 @@ LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double re
 done:
   lth_free(ctx, b.points);
   lth_free(ctx, b.tris);
-  free_surface(ctx, s);
+  lth_surface_destroy(ctx, &s);
   return status;
 }

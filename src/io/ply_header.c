@@ -22,12 +22,12 @@ static LitheStatus read_word(LthText *text, const char *what, LthWord *word) {
   return lth_text_fail(text, "%s is missing", what);
 }
 
-static LitheStatus read_name(LthText *text, const char *what, char name[PLY_NAME_MAX]) {
+static LitheStatus read_name(LthText *text, const char *what, char name[LTH_PLY_NAME_MAX]) {
   LthWord word;
   LITHE_TRY(read_word(text, what, &word));
-  if (word.length >= PLY_NAME_MAX)
+  if (word.length >= LTH_PLY_NAME_MAX)
     return lth_text_fail(text, "%s has %zu characters, expected at most %d", what, word.length,
-                         PLY_NAME_MAX - 1);
+                         LTH_PLY_NAME_MAX - 1);
   memcpy(name, word.at, word.length);
   name[word.length] = 0;
   return LITHE_OK;
@@ -69,8 +69,8 @@ static LitheStatus read_format(LthText *text, LthPlyHeader *header) {
 }
 
 static LitheStatus read_element(LthText *text, LthPlyHeader *header) {
-  if (header->n_elements == PLY_ELEMENTS_MAX)
-    return lth_text_fail(text, "there are more than %d elements", PLY_ELEMENTS_MAX);
+  if (header->n_elements == LTH_PLY_ELEMENTS_MAX)
+    return lth_text_fail(text, "there are more than %d elements", LTH_PLY_ELEMENTS_MAX);
   LthPlyElement *element = &header->elements[header->n_elements];
   *element = (LthPlyElement){.first_property = header->n_properties};
   LITHE_TRY(read_name(text, "name of the element", element->name));
@@ -87,8 +87,8 @@ static LitheStatus read_element(LthText *text, LthPlyHeader *header) {
 
 static LitheStatus read_property(LthText *text, LthPlyHeader *header) {
   if (header->n_elements == 0) return lth_text_fail(text, "property before the first element");
-  if (header->n_properties == PLY_PROPERTIES_MAX)
-    return lth_text_fail(text, "there are more than %d properties", PLY_PROPERTIES_MAX);
+  if (header->n_properties == LTH_PLY_PROPERTIES_MAX)
+    return lth_text_fail(text, "there are more than %d properties", LTH_PLY_PROPERTIES_MAX);
   LthPlyProperty *property = &header->properties[header->n_properties];
   *property = (LthPlyProperty){0};
   LthText ahead = *text;

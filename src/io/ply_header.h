@@ -3,9 +3,9 @@
 
 #include "io/text.h"
 
-#define PLY_NAME_MAX 64
-#define PLY_ELEMENTS_MAX 32
-#define PLY_PROPERTIES_MAX 512
+#define LTH_PLY_NAME_MAX 64
+#define LTH_PLY_ELEMENTS_MAX 32
+#define LTH_PLY_PROPERTIES_MAX 512
 
 typedef enum LthPlyFormat { LTH_PLY_TEXT, LTH_PLY_LITTLE, LTH_PLY_BIG } LthPlyFormat;
 
@@ -21,14 +21,14 @@ typedef enum LthPlyType {
 } LthPlyType;
 
 typedef struct LthPlyProperty {
-  char name[PLY_NAME_MAX];
+  char name[LTH_PLY_NAME_MAX];
   bool is_list;
   LthPlyType count_type; ///< of the length of a list
   LthPlyType type;
 } LthPlyProperty;
 
 typedef struct LthPlyElement {
-  char name[PLY_NAME_MAX];
+  char name[LTH_PLY_NAME_MAX];
   LitheCount count;
   int first_property, n_properties;
 } LthPlyElement;
@@ -36,8 +36,8 @@ typedef struct LthPlyElement {
 typedef struct LthPlyHeader {
   LthPlyFormat format;
   int n_elements, n_properties;
-  LthPlyElement elements[PLY_ELEMENTS_MAX];
-  LthPlyProperty properties[PLY_PROPERTIES_MAX];
+  LthPlyElement elements[LTH_PLY_ELEMENTS_MAX];
+  LthPlyProperty properties[LTH_PLY_PROPERTIES_MAX];
 } LthPlyHeader;
 
 /// Bytes of a value in a binary file.
