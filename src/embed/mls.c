@@ -1,6 +1,7 @@
 /// Moving least squares with samples gathered through the faces of elements, ring by ring.
 #include "embed/weights.h"
 
+#include "base/eigen.h"
 #include "base/tensor.h"
 #include "geometry/bvh.h"
 
@@ -126,40 +127,16 @@ static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3],
   return n;
 }
 
-/// One Jacobi rotation that clears A[p][q]; V collects the eigenvectors as columns.
-static void rotate(double A[9], double V[9], int p, int q) {
-  double off = A[3 * p + q];
-  if (off == 0) return;
-  double theta = (A[4 * q] - A[4 * p]) / (2 * off);
-  double t = (theta >= 0 ? 1 : -1) / (fabs(theta) + hypot(theta, 1)), c = 1 / hypot(t, 1),
-         s = t * c;
-  for (int k = 0; k < 3; k++) {
-    double kp = A[3 * k + p], kq = A[3 * k + q];
-    A[3 * k + p] = c * kp - s * kq, A[3 * k + q] = s * kp + c * kq;
-  }
-  for (int k = 0; k < 3; k++) {
-    double pk = A[3 * p + k], qk = A[3 * q + k], vp = V[3 * k + p], vq = V[3 * k + q];
-    A[3 * p + k] = c * pk - s * qk, A[3 * q + k] = s * pk + c * qk;
-    V[3 * k + p] = c * vp - s * vq, V[3 * k + q] = s * vp + c * vq;
-  }
-}
-
 double lth_pseudo_solve(const double S[9], const double d[3], double g[3]) {
-  double A[9], V[9], high = 0, low = INFINITY;
+  double A[9], V[9], value[3];
   memcpy(A, S, sizeof A);
-  lth_m3_identity(V);
-  for (int sweep = 0; sweep < 12; sweep++) {
-    if (fabs(A[1]) + fabs(A[2]) + fabs(A[5]) <= 1e-17 * (fabs(A[0]) + fabs(A[4]) + fabs(A[8])))
-      break;
-    rotate(A, V, 0, 1), rotate(A, V, 0, 2), rotate(A, V, 1, 2);
-  }
-  for (int i = 0; i < 3; i++) high = fmax(high, A[4 * i]), low = fmin(low, A[4 * i]);
+  lth_symmetric_eigen(3, A, value, V);
   g[0] = g[1] = g[2] = 0;
   for (int i = 0; i < 3; i++) {
     double v[3] = {V[i], V[3 + i], V[6 + i]};
-    if (A[4 * i] > EIGEN_CUT * high) lth_v3_axpy(lth_v3_dot(v, d) / A[4 * i], v, g);
+    if (value[i] > EIGEN_CUT * value[2]) lth_v3_axpy(lth_v3_dot(v, d) / value[i], v, g);
   }
-  return low > EIGEN_CUT * high ? high / low : INFINITY;
+  return value[0] > EIGEN_CUT * value[2] ? value[2] / value[0] : INFINITY;
 }
 
 /// Sum, mean place and covariance of weighted points.
