@@ -16,6 +16,7 @@ struct LitheCtx {
   LitheCtxDef def;
   int threads;
   atomic_bool cancelled;
+  atomic_flag is_writing; ///< messages and warnings
   atomic_llong n_allocs, bytes;
   char message[LTH_MESSAGE_MAX];
   char **warnings;
@@ -77,6 +78,7 @@ LitheCtx *lithe_ctx_create(const LitheCtxDef *def) {
   ctx->def = *def;
   if (!ctx->def.allocate) ctx->def.allocate = default_allocate;
   if (!ctx->def.release) ctx->def.release = default_release;
+  atomic_flag_clear(&ctx->is_writing);
   lth_set_threads(ctx, def->threads);
   return ctx;
 }
@@ -99,11 +101,20 @@ const char *lithe_ctx_warning(const LitheCtx *ctx, LitheIndex i) {
 void lithe_ctx_cancel(LitheCtx *ctx) { atomic_store(&ctx->cancelled, true); }
 bool lth_cancelled(const LitheCtx *ctx) { return atomic_load(&ctx->cancelled); }
 
+/// One thread at a time writes messages. Not an OpenMP critical section: its name would be exported.
+static void begin_message(LitheCtx *ctx) {
+  while (atomic_flag_test_and_set(&ctx->is_writing)) {
+  }
+}
+
+static void end_message(LitheCtx *ctx) { atomic_flag_clear(&ctx->is_writing); }
+
 LitheStatus lth_fail(LitheCtx *ctx, LitheStatus status, const char *format, ...) {
   va_list args;
   va_start(args, format);
-#pragma omp critical(lth_message)
+  begin_message(ctx);
   vsnprintf(ctx->message, sizeof ctx->message, format, args);
+  end_message(ctx);
   va_end(args);
   return status;
 }
@@ -131,8 +142,9 @@ void lth_warn(LitheCtx *ctx, const char *format, ...) {
   va_start(args, format);
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
-#pragma omp critical(lth_message)
+  begin_message(ctx);
   keep_warning(ctx, text);
+  end_message(ctx);
 }
 
 void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
