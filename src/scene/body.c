@@ -66,15 +66,27 @@ static LitheStatus build_simulation(LitheCtx *ctx, LthBody *body) {
   return lth_simulation_create(ctx, &def, &options, &body->sim);
 }
 
+/// Material, constraints and loads on the space of the mesh.
+static LitheStatus build_conditions(LitheCtx *ctx, LthBody *body) {
+  LITHE_TRY(lth_dg_space_create(ctx, body->mesh, body->def->degree, NULL, &body->space));
+  LITHE_TRY(lth_build_material(ctx, body));
+  LITHE_TRY(lth_build_constraints(ctx, body));
+  return lth_build_loads(ctx, body);
+}
+
+LitheStatus lth_body_check(LitheCtx *ctx, LthBody *body) {
+  LITHE_TRY(build_conditions(ctx, body));
+  if (body->scene->time_kind == LTH_TIME_DYNAMIC) return LITHE_OK;
+  LITHE_TRY(build_operator(ctx, body));
+  return check_held(ctx, body);
+}
+
 static LitheStatus build_all(LitheCtx *ctx, LthBody *body, double *times) {
   double start = lth_now();
   LITHE_TRY(lth_build_mesh(ctx, body));
   double meshed = lth_now();
   lth_progress(ctx, "integrating", -1);
-  LITHE_TRY(lth_dg_space_create(ctx, body->mesh, body->def->degree, NULL, &body->space));
-  LITHE_TRY(lth_build_material(ctx, body));
-  LITHE_TRY(lth_build_constraints(ctx, body));
-  LITHE_TRY(lth_build_loads(ctx, body));
+  LITHE_TRY(build_conditions(ctx, body));
   LITHE_TRY(build_operator(ctx, body));
   LITHE_TRY(check_held(ctx, body));
   LITHE_TRY(lth_build_embedding(ctx, body));

@@ -49,6 +49,10 @@ typedef struct LthBody {
 LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, double *times, LthBody **body);
 void lth_body_destroy(LitheCtx *ctx, LthBody **body);
 
+/// Whether a body that has its mesh could be run: material, selections, and in static runs what holds it.
+/// Builds what that takes into the body, which lth_body_destroy() frees.
+LitheStatus lth_body_check(LitheCtx *ctx, LthBody *body);
+
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body);

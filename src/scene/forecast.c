@@ -111,12 +111,15 @@ done:
 
 LitheStatus lithe_check(LitheCtx *ctx, const LitheScene *scene, LitheForecast *forecast) {
   LitheStatus status = LITHE_OK;
-  LthBody body = {.scene = scene->scene, .def = scene->scene->bodies};
-  LITHE_TRY_OR(done, lth_build_mesh(ctx, &body));
-  LITHE_TRY_OR(done, forecast_mesh(ctx, scene->scene, body.mesh, forecast));
+  LthBody *body;
+  LTH_NEW(ctx, body, 1);
+  body->scene = scene->scene;
+  body->def = scene->scene->bodies;
+  LITHE_TRY_OR(done, lth_build_mesh(ctx, body));
+  LITHE_TRY_OR(done, forecast_mesh(ctx, scene->scene, body->mesh, forecast));
+  LITHE_TRY_OR(done, lth_body_check(ctx, body));
 
 done:
-  lth_mesh_destroy(ctx, &body.mesh);
-  lth_surface_destroy(ctx, &body.surface);
+  lth_body_destroy(ctx, &body);
   return status;
 }

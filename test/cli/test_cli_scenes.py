@@ -144,7 +144,10 @@ with folder() as d:
     check("empty_selection_names_the_path_and_the_body", ["run", "empty.yaml"], status=2, cwd=d,
           err="lithe: empty.yaml:9:9: bodies.0.constraints.0.where: selects nothing of the body's boundary; "
               "the body reaches from (0, 0, 0) to (1, 0.2, 0.2)\n")
+    expect("check_finds_an_empty_selection", run("check", "empty.yaml", cwd=d).returncode == 2)
     write(d, BEAM.replace("displacement: [0, 0, 0]}", "displacement: [0, null, 0]}"), "free.yaml")
+    got = run("check", "free.yaml", cwd=d)
+    expect("check_finds_a_free_body", got.returncode == 2 and "translation along y" in got.stderr, got.stderr)
     got = run("run", "free.yaml", cwd=d)
     expect("a_free_static_body_names_its_motions", got.returncode == 2 and "translation along y" in got.stderr and
            not os.path.exists(os.path.join(d, "out", "free", "result.json")), got.stderr)
