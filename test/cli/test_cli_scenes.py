@@ -192,4 +192,18 @@ with folder() as d:
     got = run("run", "motion.yaml", cwd=d)
     expect("an_undefined_motion_is_bad_input", got.returncode == 2 and "motion.translate.1: " in got.stderr, got.stderr)
     expect("an_unwritable_folder_is_status_4", run("run", "beam.yaml", "-o", "/proc/none", cwd=d).returncode == 4)
+
+with folder() as d:
+    # where a constraint holds everything a load is no part of the problem
+    press = "    loads:\n      - {where: %s, pressure: 1 kPa}\ngravity"
+    tips = []
+    for name, where in (("all", "all"), ("free", "{not: {normal: [-1, 0, 0]}}"), ("held", "{normal: [-1, 0, 0]}")):
+        write(d, BEAM.replace("gravity", press % where), name + ".yaml")
+        got = run("run", name + ".yaml", cwd=d)
+        if name == "held":
+            expect("a_load_on_held_boundary_only_is_refused", got.returncode == 2 and
+                   "selects only boundary that a constraint holds" in got.stderr, got.stderr)
+        else:
+            tips.append(read_json(d, "out", name, "result.json")["displacement"])
+    expect("held_boundary_feels_no_load", tips[0] == tips[1], tips)
 done()
