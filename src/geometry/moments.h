@@ -51,9 +51,9 @@ static inline bool lth_fan_next(LthFan *fan, LitheIndex corner[3]) {
     while (fan->edge < face->loop_off[fan->loop + 1]) {
       LitheIndex k = fan->edge++;
       corner[1] = face->loop_point[k];
-      corner[2] = face->loop_point[fan->edge < face->loop_off[fan->loop + 1]
-                                       ? fan->edge
-                                       : face->loop_off[fan->loop]];
+      corner[2] =
+          face->loop_point[fan->edge < face->loop_off[fan->loop + 1] ? fan->edge
+                                                                     : face->loop_off[fan->loop]];
       if (corner[1] != corner[0] && corner[2] != corner[0]) return true;
     }
   return false;

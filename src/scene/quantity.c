@@ -139,7 +139,7 @@ static LitheStatus keep_expression(LitheCtx *ctx, LthReport *report, LthExpressi
 LitheStatus lth_expression_list_check(LitheCtx *ctx, const LthExpressionList *list) {
   for (LitheCount i = 0; i < list->n; i++) {
     const LthSceneExpression *e = &list->items[i];
-    LthExpressionGap gap;
+    LthExpressionGap gap = {0};
     if (e->may_have_gaps || !lth_expression_gap(e->expression, &gap)) continue;
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: %s at (%g, %g, %g), t = %g, got %s; expected a finite number", e->place,
