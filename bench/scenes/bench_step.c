@@ -146,7 +146,11 @@ int main(int argc, char **argv) {
   }
   LitheCtx *ctx = lithe_ctx_create(&def);
   if (!ctx) return 4;
-  if (!csv)
+  if (csv)
+    printf(
+        "case,unknowns,tolerance,steps a second,assemble ms,factor ms,solve ms,iterations,contacts,"
+        "converged\n");
+  else
     printf("Corotated dynamic steps, best of %d blocks, %d threads [ms a step]\n%-10s %8s %8s %8s "
            "%9s %8s "
            "%8s %7s %9s %5s\n",
