@@ -158,7 +158,9 @@ static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
     if (written != LITHE_OK) status = written;
   }
   if (status == LITHE_NOT_CONVERGED)
-    lth_fail(ctx, status, "%s: a solve did not converge; %s/result.json has the figures",
+    lth_fail(ctx, status,
+             "%s: a solve did not converge; %s/result.json has the figures. What helps: smaller "
+             "steps of time or load, more solver.newton.iterations, solver.linear: cholesky",
              run->scene->file, result->folder);
   return status;
 }
