@@ -89,7 +89,7 @@ typedef struct LthSceneProbe {
 typedef struct LthScene {
   char *title, *file, *directory; ///< file as given; directory that paths are relative to
   char *name;                     ///< stem of the file: the default output folder's name
-  LthSceneBody *bodies;           ///< for now one
+  LthSceneBody *bodies;           ///< one in this version
   LitheIndex n_bodies;
   double gravity[3]; ///< [m/s^2]
   LthCollider *colliders;
