@@ -89,8 +89,7 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double cm, d
 void lth_step_tally(LthSimulation *s);
 
 /// Solve A solution = base (+ contact) from the solution given, until |r| <= tolerance |b|; strong cells
-/// end at `driven`. Contact
-/// is revised after each solve, and the system solved again while its set changes.
+/// end at `driven`. Contact is revised after each solve, and the system solved again while its set changes.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
 /// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.
