@@ -103,7 +103,7 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
   return first < A->block_off[row + 1] && A->block_col[first] == col ? first : -1;
 }
 
-static inline double lane_sum(Lane s) { return (s[0] + s[1]) + (s[2] + s[3]); }
+static inline double lane_sum(const Lane *s) { return ((*s)[0] + (*s)[1]) + ((*s)[2] + (*s)[3]); }
 
 /// y of one block row without block `skip`; three rows of every block at a time share the loads of x.
 /// Lanes are summed once at the end of the row, so short blocks cost no horizontal sums.
@@ -135,9 +135,9 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
       }
     }
     double *yr = y + A->row_off[row];
-    yr[r] = lane_sum(s0) + t0;
-    if (r + 1 < m) yr[r + 1] = lane_sum(s1) + t1;
-    if (r + 2 < m) yr[r + 2] = lane_sum(s2) + t2;
+    yr[r] = lane_sum(&s0) + t0;
+    if (r + 1 < m) yr[r + 1] = lane_sum(&s1) + t1;
+    if (r + 2 < m) yr[r + 2] = lane_sum(&s2) + t2;
   }
 }
 
