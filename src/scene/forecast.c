@@ -4,57 +4,19 @@
 #include "scene/scene_public.h"
 #include "scene/schedule.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 // Rates of a core of 2020, to guess by: a forecast is good to a factor of three.
 #define FACTOR_FLOPS 8e9   // sparse Cholesky [1/s]
 #define SOLVE_BYTES 6e9    // triangular solves and products read the matrix [byte/s]
 #define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
 
-static int compare_index(const void *a, const void *b) {
-  LitheIndex x = *(const LitheIndex *)a, y = *(const LitheIndex *)b;
-  return (x > y) - (x < y);
-}
-
-/// Neighbours of a cell through faces and the cell itself, ascending, without repetition.
-static LitheIndex neighbours(const LthMesh *mesh, LitheIndex cell, LitheIndex *list) {
-  LitheIndex n = 0, kept = 0;
-  list[n++] = cell;
-  for (LitheIndex k = mesh->cell_face_off[cell]; k < mesh->cell_face_off[cell + 1]; k++) {
-    const LitheIndex *pair = mesh->face_cell + 2 * (LitheCount)mesh->cell_face[k];
-    LitheIndex other = pair[0] == cell ? pair[1] : pair[0];
-    if (other >= 0) list[n++] = other;
-  }
-  qsort(list, (size_t)n, sizeof *list, compare_index);
-  for (LitheIndex i = 0; i < n; i++)
-    if (i == 0 || list[i] != list[kept - 1]) list[kept++] = list[i];
-  return kept;
-}
-
-/// Pattern of the system matrix: blocks of `size` unknowns.
-static LitheStatus make_pattern(LitheCtx *ctx, const LthMesh *mesh, LitheCount size,
+/// Pattern of the system matrix, which the mesh and the degree alone decide.
+static LitheStatus make_pattern(LitheCtx *ctx, const LthMesh *mesh, LitheIndex n_funcs,
                                 LthBlockMatrix **A) {
-  LitheStatus status = LITHE_OK;
-  LitheIndex n = mesh->n_cells, *list = NULL, *col = NULL;
-  LitheCount *row_off = NULL, *block_off = NULL;
-  LTH_NEW_OR(done, ctx, row_off, n + 1);
-  LTH_NEW_OR(done, ctx, block_off, n + 1);
-  LTH_NEW_OR(done, ctx, list, (LitheCount)mesh->cell_face_off[n] + 1);
-  LTH_NEW_OR(done, ctx, col, (LitheCount)mesh->cell_face_off[n] + n);
-  for (LitheIndex c = 0; c < n; c++) {
-    LitheIndex kept = neighbours(mesh, c, list);
-    memcpy(col + block_off[c], list, sizeof *list * (size_t)kept);
-    block_off[c + 1] = block_off[c] + kept;
-    row_off[c + 1] = row_off[c] + size;
-  }
-  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, n, row_off, block_off, col, A));
-
-done:
-  lth_free(ctx, list);
-  lth_free(ctx, col);
-  lth_free(ctx, row_off);
-  lth_free(ctx, block_off);
+  LitheIndex *func_off = NULL;
+  LTH_NEW(ctx, func_off, (LitheCount)mesh->n_cells + 1);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) func_off[c + 1] = func_off[c] + n_funcs;
+  LitheStatus status = lth_dg_pattern_create(ctx, mesh, func_off, A);
+  lth_free(ctx, func_off);
   return status;
 }
 
@@ -91,9 +53,8 @@ static LitheStatus forecast_mesh(LitheCtx *ctx, const LthScene *scene, const Lth
   LitheStatus status = LITHE_OK;
   LthBlockMatrix *A = NULL;
   double bytes, flops;
-  LitheCount block = 3 * (LitheCount)lth_monomials3(scene->bodies[0].degree);
   LthSchedule schedule = lth_schedule_make(scene);
-  LITHE_TRY_OR(done, make_pattern(ctx, mesh, block, &A));
+  LITHE_TRY_OR(done, make_pattern(ctx, mesh, lth_monomials3(scene->bodies[0].degree), &A));
   LITHE_TRY_OR(done, predict_factor(ctx, A, &bytes, &flops));
   *f = (LitheForecast){.elements = mesh->n_cells,
                        .unknowns = A->n,

@@ -130,47 +130,6 @@ void lth_dg_update_rotations(LthDgOperator *op, const double *x) {
   }
 }
 
-/// Ascending distinct neighbours of a cell, itself among them; returns their number. `columns` may be
-/// NULL. Faces are ordered by owner and neighbour, so both kinds of sides come in ascending order.
-static LitheIndex row_columns(const LthDgOperator *op, LitheIndex cell, LitheIndex *columns) {
-  LitheIndex n = 0, last = -1;
-  bool diagonal = false;
-  for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
-    const LthDgSide *side = &op->sides[s];
-    LitheIndex other = op->faces[side->face].cell[1 - side->side];
-    if (other > cell && !diagonal) {
-      if (columns) columns[n] = cell;
-      n++, diagonal = true;
-    }
-    if (other == last) continue;
-    if (columns) columns[n] = other;
-    n++, last = other;
-  }
-  if (!diagonal) {
-    if (columns) columns[n] = cell;
-    n++;
-  }
-  return n;
-}
-
 LitheStatus lth_dg_matrix_create(LitheCtx *ctx, const LthDgOperator *op, LthBlockMatrix **K) {
-  LitheStatus status = LITHE_OK;
-  LitheIndex n = op->space->n_cells;
-  LitheCount *row_off = NULL, *block_off = NULL;
-  LitheIndex *block_col = NULL;
-  *K = NULL;
-  LTH_NEW_OR(done, ctx, row_off, n + 1);
-  LTH_NEW_OR(done, ctx, block_off, n + 1);
-  for (LitheIndex c = 0; c < n; c++) {
-    row_off[c + 1] = 3 * (LitheCount)op->space->func_off[c + 1];
-    block_off[c + 1] = block_off[c] + row_columns(op, c, NULL);
-  }
-  LTH_NEW_OR(done, ctx, block_col, block_off[n]);
-  for (LitheIndex c = 0; c < n; c++) row_columns(op, c, block_col + block_off[c]);
-  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, n, row_off, block_off, block_col, K));
-done:
-  lth_free(ctx, row_off);
-  lth_free(ctx, block_off);
-  lth_free(ctx, block_col);
-  return status;
+  return lth_dg_pattern_create(ctx, op->space->mesh, op->space->func_off, K);
 }

@@ -48,7 +48,12 @@ void lth_dg_update_rotations(LthDgOperator *op, const double *x);
 /// Set all R_K to the identity.
 void lth_dg_reset_rotations(LthDgOperator *op);
 
-/// An empty matrix with the pattern of the operator (diagonal and face neighbours).
+/// An empty matrix for cells of 3 (func_off[c + 1] - func_off[c]) unknowns: diagonal and face neighbours.
+/// func_off (n_cells + 1) starts at 0.
+LitheStatus lth_dg_pattern_create(LitheCtx *ctx, const LthMesh *mesh, const LitheIndex *func_off,
+                                  LthBlockMatrix **K);
+
+/// The same for an operator's space.
 LitheStatus lth_dg_matrix_create(LitheCtx *ctx, const LthDgOperator *op, LthBlockMatrix **K);
 
 /// Values of the warped stiffness K and the vector f0 such that the internal force at position
