@@ -87,7 +87,7 @@ static void sliced_surfaces_follow_affine_fields(void **state) {
 
 static void bunny_follows_affine_fields(void **state) {
   (void)state;
-  if (access(bunny, R_OK) != 0) skip();
+  if (access(bunny, R_OK) != 0) fail_msg("%s is missing: install glmark2-data", bunny);
   LitheCtx *ctx = test_ctx();
   LthSoup *soup = NULL;
   LthSurface *s = NULL;

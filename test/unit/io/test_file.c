@@ -1,25 +1,11 @@
 /// Whole files: read back as written, atomic, with the system's reason where writing fails.
 #include "check.h"
 #include "io/file.h"
+#include "scratch_folder.h"
 
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-static char folder[64];
-
-static int make_folder(void **state) {
-  (void)state;
-  strcpy(folder, "/tmp/lithe_file_XXXXXX");
-  return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-  (void)state;
-  char command[128];
-  snprintf(command, sizeof command, "rm -rf '%s'", folder);
-  return system(command);
-}
 
 static void reads_what_was_written_with_a_zero_behind(void **state) {
   (void)state;

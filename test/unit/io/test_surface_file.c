@@ -1,6 +1,7 @@
 /// Surface files: every format and variant reads as the same polygons; bad files are told with place.
 #include "check.h"
 #include "io/surface_file.h"
+#include "scratch_folder.h"
 
 #include <locale.h>
 #include <string.h>
@@ -396,21 +397,6 @@ static void the_bunny_is_one_closed_shell(void **state) {
 }
 
 // ------------------------------------------------------------------ writing
-
-static char folder[64];
-
-static int make_folder(void **state) {
-  (void)state;
-  strcpy(folder, "/tmp/lithe_surface_XXXXXX");
-  return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-  (void)state;
-  char command[128];
-  snprintf(command, sizeof command, "rm -rf '%s'", folder);
-  return system(command);
-}
 
 /// A path in the test's folder; valid until the next call.
 static const char *in_folder(const char *name) {

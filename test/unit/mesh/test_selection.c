@@ -1,5 +1,6 @@
 /// Selections: divided areas are exact, complements add up, patches stop at edges, quadrature is exact.
 #include "check.h"
+#include "one_cell.h"
 #include "polyhedra.h"
 
 #include "mesh/selection.h"
@@ -14,23 +15,6 @@ static LthMesh *grid_mesh(LitheCtx *ctx, bool tets, int nx, int ny, int nz) {
   LthMesh *mesh = NULL;
   CHECK_OK(ctx,
            tets ? lth_mesh_tetrahedra(ctx, &grid, &mesh) : lth_mesh_hexahedra(ctx, &grid, &mesh));
-  return mesh;
-}
-
-static LthMesh *solid_mesh(LitheCtx *ctx, const TestSolid *solid) {
-  LitheIndex face_cell[2 * TEST_SOLID_LOOPS];
-  for (int f = 0; f < solid->n_faces; f++) face_cell[2 * f] = 0, face_cell[2 * f + 1] = -1;
-  LthMeshDef def = {.n_points = solid->n_points,
-                    .n_faces = solid->n_faces,
-                    .n_cells = 1,
-                    .points = solid->points,
-                    .face_loop_off = solid->face_loop_off,
-                    .loop_off = solid->loop_off,
-                    .loop_point = solid->loop_point,
-                    .face_cell = face_cell,
-                    .cell_size = 1};
-  LthMesh *mesh = NULL;
-  CHECK_OK(ctx, lth_mesh_create(ctx, &def, &mesh));
   return mesh;
 }
 
@@ -128,7 +112,7 @@ static void cuts_holed_and_forked_faces_exactly(void **state) {
   LitheCtx *ctx = test_ctx();
   TestSolid s;
   test_prism(&s, 4, ring_outer, 4, ring_hole, 0, 1);
-  LthMesh *mesh = solid_mesh(ctx, &s);
+  LthMesh *mesh = test_one_cell(ctx, &s);
   // through the hole: x >= 0.25. Top and bottom 0.75 * 1.75 - 0.5 * 1, walls 1.75 + 2 * 0.75, hole 1 + 2 * 0.5
   CHECK_NEAR(area_of(ctx, mesh, plane(0.25, 0, 0, 1, 0, 0)), 2 * 0.8125 + 3.25 + 2, 1e-14);
   // along an edge of the hole, both sides; its wall counts on both, as the sets are closed
@@ -143,7 +127,7 @@ static void cuts_holed_and_forked_faces_exactly(void **state) {
   lth_mesh_destroy(ctx, &mesh);
   // a cut that leaves two separate teeth
   test_prism(&s, 8, comb, 0, NULL, 0, 1);
-  mesh = solid_mesh(ctx, &s);
+  mesh = test_one_cell(ctx, &s);
   parts[0] = plane(0, 0.5, 0, 0, 1, 0);
   CHECK_NEAR(area_of(ctx, mesh, combine(LTH_WHERE_AND, parts, 2)), 2 * 0.25, 1e-15);
   parts[0] = plane(0, 0, 0, 0, 1, 0); // along the valley's floor
@@ -176,7 +160,7 @@ static void complements_and_unions_add_up(void **state) {
       test_rotation((double[3]){1, 2, repeat}, repeat, R);
       test_transform(&s, R, zero);
     }
-    LthMesh *mesh = solid_mesh(ctx, &s);
+    LthMesh *mesh = test_one_cell(ctx, &s);
     LthWhere ab[2] = {random_leaf(&seed), random_leaf(&seed)};
     LthWhere both = combine(LTH_WHERE_AND, ab, 2), either = combine(LTH_WHERE_OR, ab, 2);
     LthWhere neither = combine(LTH_WHERE_NOT, &either, 1), whole = all();
@@ -205,7 +189,7 @@ static void half_spaces_agree_with_the_divergence_theorem(void **state) {
     test_prism(&s, 8, comb, 0, NULL, -0.5, 0.5);
     test_rotation((double[3]){1, 1 + repeat, 2}, 0.3 * repeat, R);
     test_transform(&s, R, zero);
-    LthMesh *mesh = solid_mesh(ctx, &s);
+    LthMesh *mesh = test_one_cell(ctx, &s);
     LthWhere above = plane(0, 0, test_random(&seed) - 0.5, 0, 0, 1);
     LthPatches *p = NULL;
     CHECK_OK(ctx, lth_select_boundary(ctx, mesh, &above, &p));
@@ -255,7 +239,7 @@ static void patches_grow_up_to_sharp_edges(void **state) {
   // a ring: from a point in the hole only the hole's wall that is nearest, then around it
   TestSolid s;
   test_prism(&s, 4, ring_outer, 4, ring_hole, 0, 1);
-  mesh = solid_mesh(ctx, &s);
+  mesh = test_one_cell(ctx, &s);
   side = (LthWhere){.kind = LTH_WHERE_FACE, .point = {0.25, 0.45, 0.5}, .angle = 0.5};
   CHECK_NEAR(area_of(ctx, mesh, side), 1, 1e-15);
   // above the hole the nearest boundary is the top's inner edge, not the top's plane
@@ -315,7 +299,7 @@ static void quadrature_is_exact_on_divided_faces(void **state) {
   test_prism(&s, 4, ring_outer, 4, ring_hole, -0.5, 0.5);
   test_rotation((double[3]){1, 2, 0.5}, 1, R);
   test_transform(&s, R, zero);
-  LthMesh *mesh = solid_mesh(ctx, &s);
+  LthMesh *mesh = test_one_cell(ctx, &s);
   LthWhere w = plane(0.1, 0, 0, 1, 0.4, 0.2);
   LthPatches *p = NULL;
   CHECK_OK(ctx, lth_select_boundary(ctx, mesh, &w, &p));
@@ -368,7 +352,7 @@ static void survives_failing_allocations(void **state) {
   for (int n = 0, done = 0; !done; n++) {
     allocations_left = INT32_MAX;
     LitheCtx *ctx = lithe_ctx_create(&def);
-    LthMesh *mesh = solid_mesh(ctx, &s);
+    LthMesh *mesh = test_one_cell(ctx, &s);
     LthPatches *p = NULL;
     LthFaceView face = lth_mesh_face(mesh, 0);
     LitheIndex n_quad;

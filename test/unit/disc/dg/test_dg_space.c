@@ -1,5 +1,6 @@
 /// The DG space: orthogonality, rest positions, gradients, trace constants, projection.
 #include "check.h"
+#include "one_cell.h"
 #include "polyhedra.h"
 
 #include "disc/dg/dg_space.h"
@@ -33,27 +34,9 @@ static Fixture tetrahedra(int degree) {
   return open_space(ctx, mesh, degree);
 }
 
-/// A mesh of the one cell `solid`.
-static LthMesh *one_cell(LitheCtx *ctx, const TestSolid *solid) {
-  LitheIndex face_cell[2 * TEST_SOLID_LOOPS];
-  for (int f = 0; f < solid->n_faces; f++) face_cell[2 * f] = 0, face_cell[2 * f + 1] = -1;
-  LthMeshDef def = {.n_points = solid->n_points,
-                    .n_faces = solid->n_faces,
-                    .n_cells = 1,
-                    .points = solid->points,
-                    .face_loop_off = solid->face_loop_off,
-                    .loop_off = solid->loop_off,
-                    .loop_point = solid->loop_point,
-                    .face_cell = face_cell,
-                    .cell_size = 1};
-  LthMesh *mesh = NULL;
-  CHECK_OK(ctx, lth_mesh_create(ctx, &def, &mesh));
-  return mesh;
-}
-
 static Fixture single(const TestSolid *solid, int degree) {
   LitheCtx *ctx = test_ctx();
-  return open_space(ctx, one_cell(ctx, solid), degree);
+  return open_space(ctx, test_one_cell(ctx, solid), degree);
 }
 
 static void close_space(Fixture *t) {
@@ -422,7 +405,7 @@ static void survives_failing_allocations(void **state) {
   for (int n = 0, done = 0; !done; n++) {
     allocations_left = INT32_MAX;
     Fixture t = {.ctx = lithe_ctx_create(&def)};
-    t.mesh = one_cell(t.ctx, &s);
+    t.mesh = test_one_cell(t.ctx, &s);
     int k = 2;
     double coef[30];
     allocations_left = n;
