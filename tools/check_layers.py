@@ -19,11 +19,14 @@ ALLOWED = {
     "engine/local": BASE | {"la"},
     "mesh": BASE | {"geometry"},
     "material": BASE,
-    "disc/dg": LOW | {"mesh", "material"},
-    "embed": LOW | {"mesh", "material", "disc/dg"},
-    "step": LOW | {"mesh", "material", "disc/dg", "embed"},
+    "disc": LOW | {"mesh"},
+    "disc/dg": LOW | {"mesh", "material", "disc"},
+    "disc/cg": LOW | {"mesh", "material", "disc"},
+    "embed": LOW | {"mesh", "material", "disc", "disc/dg"},
+    "system": LOW | {"mesh", "material", "disc", "embed"},
+    "step": LOW | {"mesh", "material", "disc", "disc/dg", "embed", "system"},
     "io": LOW | {"mesh"},
-    "scene": LOW | {"mesh", "material", "disc/dg", "embed", "step", "io"},
+    "scene": LOW | {"mesh", "material", "disc", "disc/dg", "disc/cg", "embed", "system", "step", "io"},
 }
 # the table of engines is the one place that names them
 EXCEPTIONS = {("src/la/engine.c", "engine/local")}

@@ -5,6 +5,15 @@
 #include "geometry/moments.h"
 #include "geometry/surface.h"
 
+/// A named set of cells or of boundary faces, from a mesh file (`where: {label: name}`).
+typedef struct LthMeshGroup {
+  char *name;
+  LitheIndex tag; ///< number in the file, -1: none
+  bool of_cells;  ///< else of boundary faces
+  LitheIndex n;
+  LitheIndex *member; ///< ascending
+} LthMeshGroup;
+
 /// Immutable once built; safe to read from many threads. Conventions, once and completely:
 /// a face has loops; its outer loops run counter-clockwise seen from outside face_cell[2f] (the owner),
 /// holes clockwise; face_normal points out of the owner, into the neighbour face_cell[2f + 1], which is
@@ -31,6 +40,8 @@ typedef struct LthMesh {
   double *cell_box;      ///< bounding box min, max [m]                  (n_cells x 6)
   double cell_size;      ///< typical edge of a full cell [m]
   LitheIndex n_merged;   ///< slivers that were merged into a neighbour
+  LthMeshGroup *groups;  ///< empty but for meshes from files
+  LitheIndex n_groups;
 } LthMesh;
 
 void lth_mesh_destroy(LitheCtx *ctx, LthMesh **mesh);

@@ -8,6 +8,8 @@ void lth_where_free(LitheCtx *ctx, LthWhere *where) {
   for (LitheIndex i = 0; i < where->n_children; i++) lth_where_free(ctx, &where->children[i]);
   lth_free(ctx, where->children);
   lth_shape_free(ctx, &where->shape);
+  lth_free(ctx, where->label);
+  where->label = NULL;
   where->children = NULL;
   where->n_children = 0;
 }
@@ -43,9 +45,9 @@ static LitheStatus add_shape_planes(LitheCtx *ctx, LthWhereReady *r, const LthSh
 static LitheStatus prepare_node(LitheCtx *ctx, LthWhereReady *r, const LthWhere *w) {
   if (w->kind == LTH_WHERE_LABEL)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
-               "where: label %d: this mesh has no labels; select by a shape, plane, normal or face "
+               "where: label %s: this mesh has no labels; select by a shape, plane, normal or face "
                "instead",
-               (int)w->label);
+               w->label ? w->label : "");
   if (w->kind == LTH_WHERE_SHAPE) LITHE_TRY(add_shape_planes(ctx, r, &w->shape));
   if (w->kind == LTH_WHERE_PLANE) LITHE_TRY(add_plane(ctx, r, w->point, w->normal));
   if (w->kind == LTH_WHERE_FACE) {

@@ -3,9 +3,8 @@
 #pragma once
 
 #include "disc/dg/dg_space.h"
-#include "la/block_matrix.h"
+#include "disc/disc.h"
 #include "material/material.h"
-#include "mesh/selection.h"
 
 typedef enum LthFlux { LTH_FLUX_IP, LTH_FLUX_BZ } LthFlux;
 
@@ -14,15 +13,6 @@ typedef enum LthPenaltyKind {
   LTH_PENALTY_ETA,      ///< eq. (20) with eta, times lambda + 2 mu
   LTH_PENALTY_ETA_PLAIN ///< eq. (20) with eta, to the letter (no material constant)
 } LthPenaltyKind;
-
-/// A weakly imposed displacement on part of the boundary.
-typedef struct LthWeakConstraint {
-  const LthPatches *patches; ///< borrowed for life
-  bool fixed[3];             ///< components that are prescribed
-  bool normal_only;          ///< a roller: only the normal component, value[0]
-  bool is_position;          ///< value is the deformed place, not the displacement
-  LthValue value[3];         ///< [m]
-} LthWeakConstraint;
 
 typedef struct LthDgOperatorDef {
   const LthDgSpace *space;       ///< borrowed for life

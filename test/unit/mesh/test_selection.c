@@ -284,7 +284,8 @@ static void labels_are_refused(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
   LthMesh *mesh = grid_mesh(ctx, false, 1, 1, 1);
-  LthWhere label = {.kind = LTH_WHERE_LABEL, .label = 3}, w = combine(LTH_WHERE_NOT, &label, 1);
+  LthWhere label = {.kind = LTH_WHERE_LABEL, .label = (char[]){"1"}},
+           w = combine(LTH_WHERE_NOT, &label, 1);
   LthPatches *p = NULL;
   assert_int_equal(lth_select_boundary(ctx, mesh, &w, &p), LITHE_UNSUPPORTED);
   assert_null(p);

@@ -1,0 +1,105 @@
+/// The small interface of a discretisation: all that embedding, stepping and output know of dg and cg.
+#pragma once
+
+#include "la/block_matrix.h"
+#include "mesh/selection.h"
+
+#define LTH_DISC_MAX_FUNCS 35 ///< functions that are not zero somewhere in one cell
+
+/// A load on the boundary or in the volume.
+typedef enum LthLoadKind {
+  LTH_LOAD_TRACTION,    ///< value [Pa], force per rest area
+  LTH_LOAD_TOTAL_FORCE, ///< value [N], spread evenly over the selection
+  LTH_LOAD_PRESSURE,    ///< value[0] [Pa] along the inward normal
+  LTH_LOAD_STRESS,      ///< stress [Pa] row-major; traction = stress n
+  LTH_LOAD_BODY_FORCE   ///< value [N/m^3]
+} LthLoadKind;
+
+typedef struct LthLoad {
+  LthLoadKind kind;
+  const LthPatches *patches; ///< borrowed for life; NULL for body forces
+  LthValue value[3];
+  LthValue stress[9];
+  bool follower; ///< pressure that turns and stretches with the surface
+} LthLoad;
+
+/// A weakly imposed displacement on part of the boundary.
+typedef struct LthWeakConstraint {
+  const LthPatches *patches; ///< borrowed for life
+  bool fixed[3];             ///< components that are prescribed
+  bool normal_only;          ///< a roller: only the normal component, value[0]
+  bool is_position;          ///< value is the deformed place, not the displacement
+  LthValue value[3];         ///< [m]
+} LthWeakConstraint;
+
+typedef struct LthDisc LthDisc;
+
+/// What a discretisation does. Every vector of coefficients is of its own unknowns (n_dofs), function i and
+/// component a at 3 i + a; every matrix has its block rows. `x` is the position, `u` = x - rest.
+typedef struct LthDiscTable {
+  const char *name; ///< "dg", "cg"
+
+  /// Functions that are not zero in a cell of the mesh (func, ascending) and their values at x, which may lie
+  /// outside; returns how many.
+  int (*eval)(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
+              double *phi);
+  /// The same with gradients (n x 3) [1/m].
+  int (*eval_gradient)(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
+                       double *dphi);
+  /// Volume mean of the gradients over a cell.
+  int (*mean_gradient)(const LthDisc *disc, LitheIndex cell, LitheIndex *func, double *dphi);
+
+  /// Coefficients of the map x -> x (n_dofs) and of the function 1 (n_funcs).
+  void (*rest)(const LthDisc *disc, double *x0);
+  void (*one)(const LthDisc *disc, double *one);
+  /// Closest coefficients to a field: L2 projection (dg), interpolation (cg). Thread-safe fields only.
+  LitheStatus (*project)(LitheCtx *ctx, const LthDisc *disc,
+                         void (*field)(const void *self, const double x[3], double value[3]),
+                         const void *self, double *coef);
+
+  /// An empty matrix with the pattern of assemble().
+  LitheStatus (*matrix_create)(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K);
+  /// Rotations of corotated elements from x; the identity where x is NULL or the body is linear.
+  void (*update_rotations)(LthDisc *disc, const double *x);
+  /// K and f0 such that the internal force is K x - f0 with the rotations as they stand, at time t.
+  void (*assemble)(LthDisc *disc, double t, LthBlockMatrix *K, double *f0);
+  void (*assemble_load)(LthDisc *disc, double t, double *f0); ///< f0 alone
+  double (*energy)(LthDisc *disc, double t, const double *x);
+
+  /// K += c M with the (consistent) mass; y = M v. `diagonal` (n_funcs): exact where the mass is diagonal,
+  /// else lumped, for scales and preconditioners.
+  void (*add_mass)(const LthDisc *disc, double c, LthBlockMatrix *K);
+  void (*apply_mass)(const LthDisc *disc, const double *v, double *y);
+  void (*mass_diagonal)(const LthDisc *disc, double *mass);
+
+  /// f += forces at time t; x is read for followers only. [N]
+  LitheStatus (*add_load)(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
+                          const double *x, double *f);
+  void (*add_gravity)(const LthDisc *disc, const double gravity[3], double *f);
+
+  /// Force of each weak constraint on the body (n_weak x 3) [N].
+  void (*reactions)(LthDisc *disc, double t, const double *x, double *reaction);
+  /// Cauchy stress at a place of a cell: xx yy zz yz zx xy [Pa].
+  void (*stress)(const LthDisc *disc, LitheIndex cell, const double *x, const double at[3],
+                 double stress[6]);
+} LthDiscTable;
+
+struct LthDisc {
+  const LthDiscTable *table;
+  const LthMesh *mesh; ///< polyhedra: the body's geometry, and whose cells the calls above mean
+  LitheIndex n_funcs, n_rows; ///< functions; block rows of the matrix
+  LitheCount n_dofs;          ///< 3 n_funcs
+  const LitheIndex *row_func; ///< first function of a block row            (n_rows + 1)
+  const uint8_t *cell_degree; ///< polynomial degree                        (n_cells)
+  LitheIndex n_weak;
+  const LthWeakConstraint *weak;
+  void *self; ///< of the implementation
+};
+
+/// Value and gradient (d value_a / d x_b, row-major) of a vector field at a place of a cell.
+void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],
+                     double value[3]);
+void lth_disc_sample_gradient(const LthDisc *disc, LitheIndex cell, const double *coef,
+                              const double x[3], double gradient[9]);
+void lth_disc_mean_gradient(const LthDisc *disc, LitheIndex cell, const double *coef,
+                            double gradient[9]);

@@ -1,0 +1,84 @@
+/// All bodies of a scene as one vector of unknowns and one block matrix: what stepping knows of them.
+#pragma once
+
+#include "disc/disc.h"
+#include "embed/contact.h"
+
+/// One body; everything is borrowed for life.
+typedef struct LthSystemBody {
+  LthDisc *disc;
+  double damping_mass, damping_stiffness; ///< Rayleigh [1/s], [s]
+  const LthLoad *loads;
+  LitheIndex n_loads;
+  const uint8_t *held; ///< unknowns that move as prescribed, or NULL       (n_dofs)
+  LitheStatus (*prescribe)(const void *self, double t,
+                           double *x); ///< writes held unknowns, others untouched
+  const void *prescribe_self;
+  LthContact *contact; ///< with rigid colliders, or NULL
+  bool warped;         ///< corotated: static solves iterate rotations
+} LthSystemBody;
+
+/// What couples two bodies by blocks of the matrix (a tie). Rows and unknowns are the system's.
+typedef struct LthCoupling {
+  void *self;
+  LitheIndex n_pairs;
+  const LitheIndex *pairs; ///< (row, col), row < col, of coupled block rows   (n_pairs x 2)
+  void (*update_rotations)(void *self, const double *x);            ///< or NULL
+  void (*add)(void *self, double t, LthBlockMatrix *A, double *f0); ///< A += K, f0 += f0
+  void (*add_load)(void *self, double t, double *f0);
+  double (*energy)(void *self, double t, const double *x);
+} LthCoupling;
+
+typedef struct LthSystemDef {
+  const LthSystemBody *bodies; ///< copied                                   (n_bodies)
+  LitheIndex n_bodies;
+  const LthCoupling *couplings; ///< copied                                  (n_couplings)
+  LitheIndex n_couplings;
+  double gravity[3];
+} LthSystemDef;
+
+/// Body b has block rows [row_first[b], row_first[b + 1]) and unknowns [dof_first[b], dof_first[b + 1]).
+typedef struct LthSystem {
+  LitheIndex n_bodies, n_couplings, n_rows;
+  LthSystemBody *bodies;
+  LthCoupling *couplings;
+  LitheCount n; ///< unknowns
+  LitheIndex *row_first;
+  LitheCount *dof_first;
+  LitheIndex *row_body; ///< body of a block row                              (n_rows)
+  double gravity[3];
+  bool warped;           ///< some body is
+  bool has_held;         ///< some unknown is
+  uint8_t *held;         ///< (n), NULL where none is
+  double *f_fixed;       ///< gravity and loads that never change [N]              (n)
+  double *scratch;       ///< (n)
+  LthBlockMatrix **part; ///< a body's rows of A: values lent from there        (n_bodies)
+} LthSystem;
+
+LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem **system);
+void lth_system_destroy(LitheCtx *ctx, LthSystem **system);
+
+/// The matrix of all bodies and couplings; lth_system_assemble() fills this one and no other.
+LitheStatus lth_system_matrix_create(LitheCtx *ctx, LthSystem *system, LthBlockMatrix **A);
+
+void lth_system_rest(const LthSystem *system, double *x0);
+void lth_system_update_rotations(LthSystem *system, const double *x);
+void lth_system_assemble(LthSystem *system, double t, LthBlockMatrix *A, double *f0);
+void lth_system_assemble_load(LthSystem *system, double t, double *f0);
+double lth_system_energy(LthSystem *system, double t, const double *x);
+
+/// A = cm M + ck A, where both factors grow by Rayleigh damping: cm (1 + da a_b) and ck (1 + ..) are the
+/// stepper's business, so they are given per body.                             (n_bodies each)
+void lth_system_combine(LitheCtx *ctx, LthSystem *system, const double *cm, const double *ck,
+                        LthBlockMatrix *A);
+void lth_system_apply_mass(LthSystem *system, const double *v, double *y); ///< y = M v
+void lth_system_mass_diagonal(const LthSystem *system, double *mass);      ///< (n)
+
+/// f = external forces at time t, without contact.
+LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *system, double t, const double *x,
+                                      double *f);
+/// Places of held unknowns at time t; others untouched.
+LitheStatus lth_system_prescribe(const LthSystem *system, double t, double *x);
+
+/// y = 0 at held unknowns.
+void lth_system_zero_held(const LthSystem *system, double *y);
