@@ -4,7 +4,9 @@
 #include "mesh/mesh.h"
 
 /// Node order within an element is VTK's (vtkHexahedron, vtkQuadraticHexahedron, vtkTriQuadraticHexahedron,
-/// vtkWedge, vtkQuadraticWedge, vtkPyramid, ...): corners first, then edge, face and body nodes.
+/// vtkWedge, vtkQuadraticWedge, vtkPyramid, ...): corners first, then edge, face and body nodes. All have a
+/// positive Jacobian: the nodes 0 1 2 of a tetrahedron or wedge, and 0 1 2 3 of the others, turn counter-clockwise
+/// seen from the rest of the element (for wedges, VTK's text says the opposite of its shape functions).
 typedef enum LthElementKind {
   LTH_TET4,
   LTH_TET10,
