@@ -1,6 +1,7 @@
 /// Corotated dynamic steps per second: a clamped cube of 10 x 10 x 10 elements, and a scene's body at several
 /// resolutions. Options: --csv, --threads N, --scene FILE (default scenes/bunny-drop.yaml), --no-scene.
-#include "scene/body.h"
+#include "disc/dg/dg_disc.h"
+#include "scene/world.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -97,19 +98,26 @@ static void cube_row(LitheCtx *ctx, const char *name, int degree, double toleran
   Cube c = cube_create(ctx, degree);
   LthStepOptions options = lth_step_options_default();
   LthSimulation *sim = NULL;
-  LthBodyDef body = {
-      .space = c.space, .op = c.op, .density = c.density, .gravity = {0, 0, -9.81}, .warped = true};
+  LthDisc *disc = NULL;
+  LthSystem *system = NULL;
+  LthDgDiscDef seen = {.space = c.space, .op = c.op, .density = c.density};
+  CHECK(lth_dg_disc_create(ctx, &seen, &disc));
+  LthSystemBody body = {.disc = disc, .warped = true};
+  LthSystemDef def = {.bodies = &body, .n_bodies = 1, .gravity = {0, 0, -9.81}};
+  CHECK(lth_system_create(ctx, &def, &system));
   options.tolerance = tolerance;
-  CHECK(lth_simulation_create(ctx, &body, &options, &sim));
+  CHECK(lth_simulation_create(ctx, system, &options, &sim));
   time_steps(ctx, sim, name, c.space->n_dofs, tolerance, 0.01, 5, block, csv);
   lth_simulation_destroy(ctx, &sim);
+  lth_system_destroy(ctx, &system);
+  lth_disc_destroy(ctx, &disc);
   cube_destroy(ctx, &c);
 }
 
 static void scene_row(LitheCtx *ctx, const char *file, int cells, int block, bool csv) {
   LthSceneErrors errors = {0};
   LthScene *scene = NULL;
-  LthBody *body = NULL;
+  LthWorld *world = NULL;
   char override[64], name[32];
   double times[2];
   snprintf(override, sizeof override, "bodies.0.method.cells=%d", cells);
@@ -117,12 +125,12 @@ static void scene_row(LitheCtx *ctx, const char *file, int cells, int block, boo
   const char *overrides[] = {override};
   CHECK(lth_scene_read(ctx, file, overrides, 1, NULL, &errors, &scene));
   lth_scene_errors_free(&errors);
-  CHECK(lth_body_create(ctx, scene, times, &body));
+  CHECK(lth_world_create(ctx, scene, times, &world));
   // a quarter of a second in: the bunny lies on the floor and shakes
   int warm = cells > 16 ? 2 : (int)(0.25 / scene->step);
-  time_steps(ctx, body->sim, name, body->space->n_dofs, scene->tolerance, scene->step, warm, block,
+  time_steps(ctx, world->sim, name, world->system->n, scene->tolerance, scene->step, warm, block,
              csv);
-  lth_body_destroy(ctx, &body);
+  lth_world_destroy(ctx, &world);
   lth_scene_destroy(ctx, &scene);
 }
 

@@ -3,6 +3,11 @@
 
 #include <string.h>
 
+void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc) {
+  if (*disc) (*disc)->table->destroy(ctx, *disc);
+  *disc = NULL;
+}
+
 void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],
                      double value[3]) {
   LitheIndex func[LTH_DISC_MAX_FUNCS];

@@ -61,7 +61,8 @@ typedef struct LthDiscTable {
   LitheStatus (*matrix_create)(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K);
   /// Rotations of corotated elements from x; the identity where x is NULL or the body is linear.
   void (*update_rotations)(LthDisc *disc, const double *x);
-  /// K and f0 such that the internal force is K x - f0 with the rotations as they stand, at time t.
+  /// K and f0 such that the internal force is K x - f0 with the rotations as they stand, at time t. K may be a
+  /// part of a larger matrix: its blocks lie at value_off[e], with others between them.
   void (*assemble)(LthDisc *disc, double t, LthBlockMatrix *K, double *f0);
   void (*assemble_load)(LthDisc *disc, double t, double *f0); ///< f0 alone
   double (*energy)(LthDisc *disc, double t, const double *x);
@@ -82,6 +83,8 @@ typedef struct LthDiscTable {
   /// Cauchy stress at a place of a cell: xx yy zz yz zx xy [Pa].
   void (*stress)(const LthDisc *disc, LitheIndex cell, const double *x, const double at[3],
                  double stress[6]);
+  /// Free the discretisation itself; what it borrows stays.
+  void (*destroy)(LitheCtx *ctx, LthDisc *disc);
 } LthDiscTable;
 
 struct LthDisc {
@@ -95,6 +98,8 @@ struct LthDisc {
   const LthWeakConstraint *weak;
   void *self; ///< of the implementation
 };
+
+void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc);
 
 /// Value and gradient (d value_a / d x_b, row-major) of a vector field at a place of a cell.
 void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],

@@ -31,10 +31,10 @@ static LitheStatus copy_colliders(LitheCtx *ctx, LthContact *c) {
 }
 
 static LitheStatus lay_out_blocks(LitheCtx *ctx, LthContact *c) {
-  const LthDgSpace *space = c->def.points->space;
-  LTH_NEW(ctx, c->block_off, (LitheCount)space->n_cells + 1);
-  for (LitheIndex k = 0; k < space->n_cells; k++) {
-    LitheCount m = 3 * (LitheCount)lth_dg_funcs(space, k);
+  const LthEmbedding *e = c->def.points;
+  LTH_NEW(ctx, c->block_off, (LitheCount)e->n_rows + 1);
+  for (LitheIndex k = 0; k < e->n_rows; k++) {
+    LitheCount m = 3 * (LitheCount)(e->row_func[k + 1] - e->row_func[k]);
     c->block_off[k + 1] = c->block_off[k] + m * m;
   }
   return LITHE_OK;
@@ -198,18 +198,18 @@ void lth_contact_add_rhs(const LthContact *c, double *rhs) {
   scatter(c, rhs);
 }
 
-/// Block of a cell += (sum of D over a sample) x phi phi^T / n: what a sample that averages n cells gives
+/// Block of a row += (sum of D over a sample) x phi phi^T / n: what a sample that averages n cells gives
 /// each of them, at most.
-static void add_block(const LthContact *c, const LthDgSpace *space, LitheIndex s, const double D[9],
+static void add_block(const LthContact *c, LitheIndex s, const double D[9],
                       double *extra) {
   const LthEmbedding *e = c->def.points;
   LitheCount at = e->sample_off[s];
-  double n = (double)(e->sample_cell_off[s + 1] - e->sample_cell_off[s]);
-  for (LitheCount k = e->sample_cell_off[s]; k < e->sample_cell_off[s + 1]; k++) {
-    LitheIndex cell = e->sample_cell[k];
-    int nb = lth_dg_funcs(space, cell);
+  double n = (double)(e->sample_row_off[s + 1] - e->sample_row_off[s]);
+  for (LitheCount k = e->sample_row_off[s]; k < e->sample_row_off[s + 1]; k++) {
+    LitheIndex row = e->sample_row[k];
+    int nb = e->row_func[row + 1] - e->row_func[row];
     const double *w = e->sample_weight + at; // phi / n
-    double *block = extra + c->block_off[cell];
+    double *block = extra + c->block_off[row];
     for (int a = 0; a < nb; a++)
       for (int b = 0; b < nb; b++)
         for (int i = 0; i < 9; i++)
@@ -218,14 +218,14 @@ static void add_block(const LthContact *c, const LthDgSpace *space, LitheIndex s
   }
 }
 
-void lth_contact_add_diagonal(const LthContact *c, const LthDgSpace *space, double *extra) {
+void lth_contact_add_diagonal(const LthContact *c, double *extra) {
   for (LitheIndex i = 0; i < c->n_touched; i++) {
     double D[9] = {0};
     for (LitheCount k = c->slot_off[i]; k < c->slot_off[i + 1]; k++) {
       const LthTouch *touch = &c->touch[c->active[c->slot_active[k]]];
       for (int a = 0; a < 9; a++) D[a] += fabs(c->slot_weight[k]) * touch->D[a];
     }
-    add_block(c, space, c->touched[i], D, extra);
+    add_block(c, c->touched[i], D, extra);
   }
 }
 

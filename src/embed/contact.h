@@ -56,9 +56,9 @@ void lth_contact_apply(const LthContact *contact, const double *v, double *y);
 /// rhs += W^T r, r of equation (4): pushes points out of colliders and along with them.
 void lth_contact_add_rhs(const LthContact *contact, double *rhs);
 
-/// Add to `extra`, laid out as LthBlockJacobi's diagonal blocks (those of all cells one after the
+/// Add to `extra`, laid out as LthBlockJacobi's diagonal blocks (those of all rows one after the
 /// other), a block diagonal matrix that is nowhere below the contact part where weights are positive.
-void lth_contact_add_diagonal(const LthContact *contact, const LthDgSpace *space, double *extra);
+void lth_contact_add_diagonal(const LthContact *contact, double *extra);
 
 /// After a solve: drop points that pull, take in those that end inside, let go of or hold those whose
 /// friction is above or below Coulomb's limit. Returns true where the step should be solved again; a few

@@ -28,7 +28,7 @@ struct LthContact {
   LthContactDef def;
   LthCollider *colliders; ///< copies, meshes with a tree
   bool *owns_bvh;
-  LitheCount *block_off; ///< start of each cell's diagonal block      (n_cells + 1)
+  LitheCount *block_off; ///< start of each row's diagonal block       (n_rows + 1)
   bool is_auto;
   double stiffness;   ///< per area or per point
   double weight_norm; ///< largest sum of |weights| of a point

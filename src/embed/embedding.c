@@ -68,7 +68,7 @@ void lth_embedding_add_force(const LthEmbedding *e, LitheIndex p, const double f
 }
 
 void lth_embedding_weights(const LthEmbedding *e, LitheIndex p, double *weights) {
-  memset(weights, 0, sizeof *weights * (size_t)e->space->n_funcs);
+  memset(weights, 0, sizeof *weights * (size_t)e->n_funcs);
   for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
     LitheIndex s = e->sample[i];
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
@@ -107,8 +107,8 @@ void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding) {
   lth_free(ctx, e->sample_off);
   lth_free(ctx, e->sample_func);
   lth_free(ctx, e->sample_weight);
-  lth_free(ctx, e->sample_cell_off);
-  lth_free(ctx, e->sample_cell);
+  lth_free(ctx, e->sample_row_off);
+  lth_free(ctx, e->sample_row);
   lth_free(ctx, e->cell);
   lth_free(ctx, e->area);
   lth_free(ctx, e->sample_value);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "disc/dg/dg_space.h"
+#include "disc/disc.h"
 
 typedef enum LthInterpolation { LTH_EMBED_MLS, LTH_EMBED_STITCHED } LthInterpolation;
 typedef enum LthSamples {
@@ -17,7 +18,9 @@ typedef enum LthSamples {
 /// is the average (eq. 30) of the elements around sample i. The product of the two is W of eq. 32; kept
 /// apart they take a quarter to a tenth of its memory and time. Immutable but for the scratch of lth_embedding_apply().
 typedef struct LthEmbedding {
-  const LthDgSpace *space; ///< borrowed for life
+  const LthMesh *mesh;     ///< borrowed for life
+  LitheIndex n_funcs, n_rows;
+  const LitheIndex *row_func; ///< of the discretisation, borrowed for life      (n_rows + 1)
   LitheIndex n_points, n_samples;
   double *rest;                ///< rest positions [m]                     (n_points x 3)
   LitheCount *off;             ///< (n_points + 1)
@@ -25,10 +28,10 @@ typedef struct LthEmbedding {
   double *weight;              ///< [-]
   double *sample_point;        ///< [m]                                    (n_samples x 3)
   LitheCount *sample_off;      ///< (n_samples + 1)
-  LitheIndex *sample_func;     ///< basis functions of the space, ascending per sample
+  LitheIndex *sample_func;     ///< functions of the discretisation, ascending per sample
   double *sample_weight;       ///< [-]
-  LitheCount *sample_cell_off; ///< (n_samples + 1)
-  LitheIndex *sample_cell;     ///< cells a sample averages, ascending
+  LitheCount *sample_row_off;  ///< (n_samples + 1)
+  LitheIndex *sample_row;      ///< block rows whose functions a sample reads, all of them, ascending
   LitheIndex *cell;            ///< cell that holds (or is nearest to) the point (n_points)
   double *area;         ///< share of the surface's area of each point [m^2], or NULL (n_points)
   double *sample_value; ///< scratch of lth_embedding_apply()       (n_samples x 4)
@@ -73,7 +76,7 @@ void lth_embedding_point(const LthEmbedding *e, LitheIndex point, const double *
 void lth_embedding_add_force(const LthEmbedding *e, LitheIndex point, const double force[3],
                              double *f);
 
-/// W of one point, as in eq. 32: weights (n_funcs of the space), zero where the point does not reach.
+/// W of one point, as in eq. 32: weights (n_funcs), zero where the point does not reach.
 void lth_embedding_weights(const LthEmbedding *e, LitheIndex point, double *weights);
 
 /// The cell that contains a point, or the nearest one; `inside` may be NULL. Looks at every cell: for

@@ -34,7 +34,7 @@ static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
   } else if (job->point_sample[p] >= 0) {
     LITHE_TRY(lth_row_add(job->ctx, row, job->point_sample[p], 1));
   } else {
-    LITHE_TRY(lth_mean_value_weights(job->ctx, job->e->space->mesh, job->samples, x,
+    LITHE_TRY(lth_mean_value_weights(job->ctx, job->e->mesh, job->samples, x,
                                      job->e->cell[p], row));
   }
   lth_row_sort(row);
@@ -113,34 +113,35 @@ static LitheStatus make_sample_offsets(LitheCtx *ctx, const LthSampleSet *s, Lth
   e->n_samples = s->n;
   LTH_NEW(ctx, e->sample_point, 3 * (LitheCount)s->n);
   LTH_NEW(ctx, e->sample_off, (LitheCount)s->n + 1);
-  LTH_NEW(ctx, e->sample_cell_off, (LitheCount)s->n + 1);
+  LTH_NEW(ctx, e->sample_row_off, (LitheCount)s->n + 1);
   LTH_NEW(ctx, e->sample_value, 4 * (LitheCount)s->n);
   for (LitheIndex i = 0; i < s->n; i++) {
     LitheCount n = 0;
     for (LitheCount k = s->cell_off[i]; k < s->cell_off[i + 1]; k++)
-      n += lth_dg_funcs(e->space, s->cell[k]);
+      n += e->row_func[s->cell[k] + 1] - e->row_func[s->cell[k]];
     lth_v3_copy(s->point + 3 * (size_t)i, e->sample_point + 3 * (size_t)i);
     e->sample_off[i + 1] = e->sample_off[i] + n;
-    e->sample_cell_off[i + 1] = s->cell_off[i + 1];
+    e->sample_row_off[i + 1] = s->cell_off[i + 1];
   }
   return LITHE_OK;
 }
 
 /// Averages of the samples (eq. 30) as rows over basis functions.
-static LitheStatus make_averages(LitheCtx *ctx, const LthSampleSet *s, LthEmbedding *e) {
+static LitheStatus make_averages(LitheCtx *ctx, const LthDgSpace *space, const LthSampleSet *s,
+                                 LthEmbedding *e) {
   LITHE_TRY(make_sample_offsets(ctx, s, e));
   LTH_NEW(ctx, e->sample_func, e->sample_off[s->n]);
   LTH_NEW(ctx, e->sample_weight, e->sample_off[s->n]);
-  LTH_NEW(ctx, e->sample_cell, e->sample_cell_off[s->n]);
+  LTH_NEW(ctx, e->sample_row, e->sample_row_off[s->n]);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < s->n; i++) {
     LitheCount at = e->sample_off[i], n = s->cell_off[i + 1] - s->cell_off[i];
     for (LitheCount k = s->cell_off[i]; k < s->cell_off[i + 1]; k++) {
       double phi[LTH_DG_MAX_FUNCS];
-      LitheIndex cell = e->sample_cell[k] = s->cell[k];
-      lth_dg_eval(e->space, cell, s->point + 3 * (size_t)i, phi);
-      for (int a = 0; a < lth_dg_funcs(e->space, cell); a++) {
-        e->sample_func[at] = e->space->func_off[cell] + a;
+      LitheIndex cell = e->sample_row[k] = s->cell[k];
+      lth_dg_eval(space, cell, s->point + 3 * (size_t)i, phi);
+      for (int a = 0; a < lth_dg_funcs(space, cell); a++) {
+        e->sample_func[at] = space->func_off[cell] + a;
         e->sample_weight[at++] = phi[a] / (double)n;
       }
     }
@@ -152,7 +153,7 @@ static LitheStatus find_cells(LitheCtx *ctx, LthEmbedding *e, const LitheIndex *
   LthCellSearch *search = NULL;
   LitheStatus status = LITHE_OK;
   LTH_NEW(ctx, e->cell, e->n_points);
-  LITHE_TRY_OR(done, lth_cell_search_create(ctx, e->space->mesh, &search));
+  LITHE_TRY_OR(done, lth_cell_search_create(ctx, e->mesh, &search));
 #pragma omp parallel for schedule(dynamic, 64) num_threads(lth_threads(ctx))
   for (LitheIndex p = 0; p < e->n_points; p++) {
     e->cell[p] = point_cell ? point_cell[p] : -1;
@@ -221,12 +222,12 @@ static void free_job(Job *job, LitheIndex *point_sample) {
   lth_samples_destroy(job->ctx, &job->samples);
 }
 
-static LitheStatus build(LitheCtx *ctx, LthEmbedding *e, LthInterpolation interpolation,
-                         LthSamples samples) {
+static LitheStatus build(LitheCtx *ctx, const LthDgSpace *space, LthEmbedding *e,
+                         LthInterpolation interpolation, LthSamples samples) {
   LitheStatus status = LITHE_OK;
   LitheIndex *point_sample = NULL;
   Job job = {.ctx = ctx, .e = e, .interpolation = interpolation};
-  const LthMesh *mesh = e->space->mesh;
+  const LthMesh *mesh = e->mesh;
   if (interpolation == LTH_EMBED_MLS) {
     LITHE_TRY_OR(done, lth_samples_create(ctx, mesh, samples, &job.samples));
     LITHE_TRY_OR(done, lth_mls_create(ctx, mesh, job.samples, &job.mls));
@@ -238,7 +239,7 @@ static LitheStatus build(LitheCtx *ctx, LthEmbedding *e, LthInterpolation interp
   LITHE_TRY_OR(done, make_rows(&job));
   LITHE_TRY_OR(done, add_own_samples(&job));
   LITHE_TRY_OR(done, join_rows(&job));
-  LITHE_TRY_OR(done, make_averages(ctx, job.samples, e));
+  LITHE_TRY_OR(done, make_averages(ctx, space, job.samples, e));
 done:
   free_job(&job, point_sample);
   return status;
@@ -252,13 +253,16 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
   LthEmbedding *e = NULL;
   *embedding = NULL;
   LTH_NEW(ctx, e, 1);
-  e->space = space;
+  e->mesh = space->mesh;
+  e->n_funcs = space->n_funcs;
+  e->n_rows = space->n_cells;
+  e->row_func = space->func_off;
   e->n_points = n;
   LTH_NEW_OR(done, ctx, e->rest, 3 * (LitheCount)n);
   LTH_NEW_OR(done, ctx, e->off, (LitheCount)n + 1);
   memcpy(e->rest, points, sizeof *points * 3 * (size_t)n);
   LITHE_TRY_OR(done, find_cells(ctx, e, point_cell));
-  LITHE_TRY_OR(done, build(ctx, e, interpolation, samples));
+  LITHE_TRY_OR(done, build(ctx, space, e, interpolation, samples));
 done:
   if (status != LITHE_OK) lth_embedding_destroy(ctx, &e);
   *embedding = e;

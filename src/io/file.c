@@ -160,11 +160,26 @@ LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, c
   return LITHE_OK;
 }
 
+LitheStatus lth_path_ending(LitheCtx *ctx, const char *folder, const char *stem, const char *ending,
+                            char **path) {
+  size_t room = strlen(stem) + strlen(ending) + 2;
+  char *name;
+  LTH_NEW(ctx, name, (LitheCount)room);
+  snprintf(name, room, "%s.%s", stem, ending);
+  LitheStatus status = lth_path_join(ctx, folder, name, path);
+  lth_free(ctx, name);
+  return status;
+}
+
 LitheStatus lth_path_numbered(LitheCtx *ctx, const char *folder, const char *stem,
                               LitheIndex number, const char *ending, char **path) {
-  char name[64];
-  snprintf(name, sizeof name, "%s_%04d.%s", stem, number, ending);
-  return lth_path_join(ctx, folder, name, path);
+  size_t room = strlen(stem) + 16;
+  char *name;
+  LTH_NEW(ctx, name, (LitheCount)room);
+  snprintf(name, room, "%s_%04d", stem, number);
+  LitheStatus status = lth_path_ending(ctx, folder, name, ending, path);
+  lth_free(ctx, name);
+  return status;
 }
 
 LitheStatus lth_file_remove_numbered(LitheCtx *ctx, const char *folder, const char *stem,

@@ -25,6 +25,10 @@ LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);
 /// "a/b" from "a" and "b" (an absolute "b" stays as it is); freed by lth_free().
 LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path);
 
+/// "folder/stem.ending"; freed by lth_free().
+LitheStatus lth_path_ending(LitheCtx *ctx, const char *folder, const char *stem, const char *ending,
+                            char **path);
+
 /// "folder/stem_0007.ending"; freed by lth_free().
 LitheStatus lth_path_numbered(LitheCtx *ctx, const char *folder, const char *stem,
                               LitheIndex number, const char *ending, char **path);

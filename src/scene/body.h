@@ -1,6 +1,7 @@
 /// A body as it is simulated: everything that is built from a scene's description of it.
 #pragma once
 
+#include "disc/dg/dg_disc.h"
 #include "disc/dg/dg_strong.h"
 #include "scene/scene.h"
 #include "step/simulation.h"
@@ -34,6 +35,7 @@ typedef struct LthBody {
   LitheIndex n_loads;
 
   LthDgOperator *op;
+  LthDisc *disc; ///< what all the rest sees of space and operator
 
   // what follows the body, and what it touches (build_embedding.c)
   LthSoup *own_soup;       ///< of the tessellated shape where no file gave one
@@ -42,16 +44,30 @@ typedef struct LthBody {
   LthEmbedding *nodes;     ///< contact points where they are not the embedding's, or NULL
   LthContact *contact;     ///< or NULL
 
-  LthSimulation *sim;
+  // among all bodies (world.c)
+  LthSimulation *sim; ///< of all, borrowed
+  LitheCount first;   ///< first unknown of this body in it
 } LthBody;
 
-/// Build all of it. `times` (2): seconds spent on the mesh and on all integration.
-LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, double *times, LthBody **body);
+/// Build all of it but what is among bodies. `times` (2) += seconds spent on the mesh and on all integration.
+LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
+                            double *times, LthBody **body);
 void lth_body_destroy(LitheCtx *ctx, LthBody **body);
 
-/// Whether a body that has its mesh could be run: material, selections, and in static runs what holds it.
-/// Builds what that takes into the body, which lth_body_destroy() frees.
-LitheStatus lth_body_check(LitheCtx *ctx, LthBody *body);
+/// A body with its mesh and nothing else.
+LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
+                                 LthBody **body);
+
+/// What a check needs on top of the mesh: material, selections, operator.
+LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body);
+
+/// The body as part of a system.
+LthSystemBody lth_body_as_part(const LthBody *body);
+
+/// Its own coefficients in the simulation: x - X0 (computed by the call), position, velocity. (disc->n_dofs)
+const double *lth_body_displacement(const LthBody *body);
+double *lth_body_position(const LthBody *body);
+double *lth_body_velocity(const LthBody *body);
 
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);

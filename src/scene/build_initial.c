@@ -15,17 +15,15 @@ static bool is_zero(const LthValue v[3]) {
 
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
-  const LthDgSpace *space = body->space;
-  int quad_degree = 2 * space->max_degree + 2;
+  const LthDisc *disc = body->disc;
   if (!is_zero(def->initial_velocity))
-    LITHE_TRY(lth_dg_project(ctx, space, initial_field, def->initial_velocity, quad_degree,
-                             lth_simulation_velocity(body->sim)));
+    LITHE_TRY(disc->table->project(ctx, disc, initial_field, def->initial_velocity,
+                                   lth_body_velocity(body)));
   if (is_zero(def->initial_displacement)) return LITHE_OK;
-  double *u = NULL, *x = lth_simulation_position(body->sim);
-  LTH_NEW(ctx, u, space->n_dofs);
-  LitheStatus status =
-      lth_dg_project(ctx, space, initial_field, def->initial_displacement, quad_degree, u);
-  for (LitheCount i = 0; status == LITHE_OK && i < space->n_dofs; i++) x[i] += u[i];
+  double *u = NULL, *x = lth_body_position(body);
+  LTH_NEW(ctx, u, disc->n_dofs);
+  LitheStatus status = disc->table->project(ctx, disc, initial_field, def->initial_displacement, u);
+  for (LitheCount i = 0; status == LITHE_OK && i < disc->n_dofs; i++) x[i] += u[i];
   lth_free(ctx, u);
   return status;
 }

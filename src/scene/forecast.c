@@ -1,8 +1,8 @@
 /// `lithe check`: what a run would need, from its mesh and the symbolic analysis of its matrix.
 #include "la/engine.h"
-#include "scene/body.h"
 #include "scene/scene_public.h"
 #include "scene/schedule.h"
+#include "scene/world.h"
 
 // Rates of a core of 2020, to guess by: a forecast is good to a factor of three.
 #define FACTOR_FLOPS 8e9   // sparse Cholesky [1/s]
@@ -33,11 +33,10 @@ static LitheStatus predict_factor(LitheCtx *ctx, const LthBlockMatrix *A, double
   return status;
 }
 
-static void predict_cost(const LthScene *scene, const LthMesh *mesh, double bytes, double flops,
+static void predict_cost(const LthScene *scene, double corners, double bytes, double flops,
                          LitheForecast *f) {
   bool is_pcg = scene->linear == LTH_LINEAR_PCG;
   double matrix = 8.0 * (double)f->nonzeros;
-  double corners = mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
   double one_solve =
       is_pcg ? 60 * matrix / SOLVE_BYTES : flops / FACTOR_FLOPS + 2 * bytes / SOLVE_BYTES;
   // a corotated equilibrium takes some ten solves
@@ -48,39 +47,50 @@ static void predict_cost(const LthScene *scene, const LthMesh *mesh, double byte
                corners * POINT_SECONDS * (20 + f->frames);
 }
 
-static LitheStatus forecast_mesh(LitheCtx *ctx, const LthScene *scene, const LthMesh *mesh,
-                                 LitheForecast *f) {
+/// Add what one body needs: sizes to the forecast, and the cost of a factor of its matrix.
+static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, double *bytes, double *flops,
+                            LitheForecast *f) {
   LitheStatus status = LITHE_OK;
+  const LthMesh *mesh = body->mesh;
   LthBlockMatrix *A = NULL;
-  double bytes, flops;
-  LthSchedule schedule = lth_schedule_make(scene);
-  LITHE_TRY_OR(done, make_pattern(ctx, mesh, lth_monomials3(scene->bodies[0].degree), &A));
-  LITHE_TRY_OR(done, predict_factor(ctx, A, &bytes, &flops));
-  *f = (LitheForecast){.elements = mesh->n_cells,
-                       .unknowns = A->n,
-                       .nonzeros = A->value_off[A->block_off[A->n_rows]],
-                       .steps = lth_schedule_total(&schedule),
-                       .frames = schedule.n_outputs + schedule.writes_start};
+  double more_bytes, more_flops;
+  LITHE_TRY_OR(done, make_pattern(ctx, mesh, lth_monomials3(body->def->degree), &A));
+  LITHE_TRY_OR(done, predict_factor(ctx, A, &more_bytes, &more_flops));
+  *bytes += more_bytes;
+  *flops += more_flops;
+  f->elements += mesh->n_cells;
+  f->unknowns += A->n;
+  f->nonzeros += A->value_off[A->block_off[A->n_rows]];
   for (LitheIndex i = 0; i < mesh->n_faces; i++) f->inner_faces += mesh->face_cell[2 * i + 1] >= 0;
   for (LitheIndex c = 0; c < mesh->n_cells; c++) f->volume += mesh->cell_volume[c];
-  predict_cost(scene, mesh, bytes, flops, f);
 
 done:
   lth_block_matrix_destroy(ctx, &A);
   return status;
 }
 
+static LitheStatus forecast_world(LitheCtx *ctx, const LthWorld *world, LitheForecast *f) {
+  double bytes = 0, flops = 0, corners = 0;
+  LthSchedule schedule = lth_schedule_make(world->scene);
+  *f = (LitheForecast){.steps = lth_schedule_total(&schedule),
+                       .frames = schedule.n_outputs + schedule.writes_start};
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    const LthMesh *mesh = world->bodies[b]->mesh;
+    LITHE_TRY(add_body(ctx, world->bodies[b], &bytes, &flops, f));
+    corners += mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
+  }
+  predict_cost(world->scene, corners, bytes, flops, f);
+  return LITHE_OK;
+}
+
 LitheStatus lithe_check(LitheCtx *ctx, const LitheScene *scene, LitheForecast *forecast) {
   LitheStatus status = LITHE_OK;
-  LthBody *body;
-  LTH_NEW(ctx, body, 1);
-  body->scene = scene->scene;
-  body->def = scene->scene->bodies;
-  LITHE_TRY_OR(done, lth_build_mesh(ctx, body));
-  LITHE_TRY_OR(done, forecast_mesh(ctx, scene->scene, body->mesh, forecast));
-  LITHE_TRY_OR(done, lth_body_check(ctx, body));
+  LthWorld *world = NULL;
+  LITHE_TRY_OR(done, lth_world_create_meshes(ctx, scene->scene, &world));
+  LITHE_TRY_OR(done, forecast_world(ctx, world, forecast));
+  LITHE_TRY_OR(done, lth_world_check(ctx, world));
 
 done:
-  lth_body_destroy(ctx, &body);
+  lth_world_destroy(ctx, &world);
   return status;
 }

@@ -1,4 +1,4 @@
-/// Figures of a body's present state for the result: displacement, stress, volume.
+/// Figures of the bodies' present state for the result: displacement, stress, volume.
 #include "scene/measure.h"
 
 #include "base/tensor.h"
@@ -19,19 +19,18 @@ static double largest_at_corners(const LthBody *body, LitheIndex cell, const dou
     for (LitheIndex i = mesh->loop_off[mesh->face_loop_off[f]];
          i < mesh->loop_off[mesh->face_loop_off[f + 1]]; i++) {
       double value[3];
-      lth_dg_sample(body->space, cell, u, mesh->points + 3 * (LitheCount)mesh->loop_point[i],
-                    value);
+      lth_disc_sample(body->disc, cell, u, mesh->points + 3 * (LitheCount)mesh->loop_point[i],
+                      value);
       largest = fmax(largest, lth_v3_norm(value));
     }
   }
   return largest;
 }
 
-LitheStatus lth_measure_displacement(LitheCtx *ctx, const LthBody *body,
-                                     LthDisplacementFigures *figures) {
-  const double *u = lth_simulation_displacement(body->sim);
-  double volume = 0;
-  *figures = (LthDisplacementFigures){0};
+/// max and the integral of the length into `mean`; the volume is returned in `volume`.
+static LitheStatus add_displacement(LitheCtx *ctx, const LthBody *body,
+                                    LthDisplacementFigures *figures, double *volume) {
+  const double *u = lth_body_displacement(body);
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
     LitheIndex n;
     double *points, *weights;
@@ -39,21 +38,29 @@ LitheStatus lth_measure_displacement(LitheCtx *ctx, const LthBody *body,
     LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2, &n, &points, &weights));
     for (LitheIndex q = 0; q < n; q++) {
       double value[3];
-      lth_dg_sample(body->space, c, u, points + 3 * (LitheCount)q, value);
+      lth_disc_sample(body->disc, c, u, points + 3 * (LitheCount)q, value);
       figures->mean += weights[q] * lth_v3_norm(value);
     }
-    volume += body->mesh->cell_volume[c];
+    *volume += body->mesh->cell_volume[c];
     lth_free(ctx, points);
     lth_free(ctx, weights);
   }
+  return LITHE_OK;
+}
+
+LitheStatus lth_measure_displacement(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
+                                     LthDisplacementFigures *figures) {
+  double volume = 0;
+  *figures = (LthDisplacementFigures){0};
+  for (LitheIndex b = 0; b < n; b++) LITHE_TRY(add_displacement(ctx, bodies[b], figures, &volume));
   figures->mean /= volume;
   return LITHE_OK;
 }
 
 /// A place where stress was looked at.
 typedef struct Sample {
-  double von_mises, volume;
-  LitheIndex cell;
+  double von_mises, volume, yield;
+  LitheIndex body, cell;
   double at[3];
 } Sample;
 
@@ -62,54 +69,56 @@ typedef struct Samples {
   LitheCount n, cap;
 } Samples;
 
-static LitheStatus add_sample(LitheCtx *ctx, const LthBody *body, LitheIndex cell,
-                              const double at[3], Samples *samples) {
+static LitheStatus add_sample(LitheCtx *ctx, const LthBody *body, LitheIndex number,
+                              LitheIndex cell, const double at[3], Samples *samples) {
   double stress[6];
   LTH_RESERVE(ctx, samples->items, samples->cap, samples->n + 1);
   Sample *s = samples->items + samples->n++;
-  lth_dg_stress(body->op, cell, lth_simulation_position(body->sim), at, stress);
-  *s = (Sample){.von_mises = lth_von_mises(stress), .cell = cell};
+  body->disc->table->stress(body->disc, cell, lth_body_position(body), at, stress);
+  *s = (Sample){
+      .von_mises = lth_von_mises(stress), .yield = body->yield[cell], .body = number, .cell = cell};
   lth_v3_copy(at, s->at);
   return LITHE_OK;
 }
 
-static LitheStatus sample_cell(LitheCtx *ctx, const LthBody *body, LitheIndex cell,
-                               Samples *samples) {
+static LitheStatus sample_cell(LitheCtx *ctx, const LthBody *body, LitheIndex number,
+                               LitheIndex cell, Samples *samples) {
   const LthMesh *mesh = body->mesh;
   LitheCount first = samples->n;
-  LITHE_TRY(add_sample(ctx, body, cell, mesh->cell_centroid + 3 * (LitheCount)cell, samples));
+  LITHE_TRY(
+      add_sample(ctx, body, number, cell, mesh->cell_centroid + 3 * (LitheCount)cell, samples));
   for (LitheIndex k = mesh->cell_face_off[cell];
-       body->space->degree[cell] > 1 && k < mesh->cell_face_off[cell + 1]; k++) {
+       body->disc->cell_degree[cell] > 1 && k < mesh->cell_face_off[cell + 1]; k++) {
     LitheIndex f = mesh->cell_face[k];
     for (LitheIndex i = mesh->loop_off[mesh->face_loop_off[f]];
          i < mesh->loop_off[mesh->face_loop_off[f + 1]]; i++)
-      LITHE_TRY(
-          add_sample(ctx, body, cell, mesh->points + 3 * (LitheCount)mesh->loop_point[i], samples));
+      LITHE_TRY(add_sample(ctx, body, number, cell,
+                           mesh->points + 3 * (LitheCount)mesh->loop_point[i], samples));
   }
   for (LitheCount i = first; i < samples->n; i++)
     samples->items[i].volume = mesh->cell_volume[cell] / (double)(samples->n - first);
   return LITHE_OK;
 }
 
-/// By stress, then by cell and place, so that equal values come in one order.
+/// By stress, then by body, cell and place, so that equal values come in one order.
 static int compare_samples(const void *left, const void *right) {
   const Sample *a = left, *b = right;
   if (a->von_mises != b->von_mises) return a->von_mises < b->von_mises ? -1 : 1;
+  if (a->body != b->body) return a->body < b->body ? -1 : 1;
   if (a->cell != b->cell) return a->cell < b->cell ? -1 : 1;
   for (int i = 0; i < 3; i++)
     if (a->at[i] != b->at[i]) return a->at[i] < b->at[i] ? -1 : 1;
   return 0;
 }
 
-static void read_figures(const LthBody *body, Samples *samples, LthStressFigures *figures) {
+static void read_figures(Samples *samples, LthStressFigures *figures) {
   double volume = 0, below = 0;
   if (samples->n == 0) return;
   qsort(samples->items, (size_t)samples->n, sizeof *samples->items, compare_samples);
   for (LitheCount i = 0; i < samples->n; i++) {
     const Sample *s = samples->items + i;
     volume += s->volume;
-    if (body->yield[s->cell] > 0)
-      figures->safety = fmin(figures->safety, body->yield[s->cell] / s->von_mises);
+    if (s->yield > 0) figures->safety = fmin(figures->safety, s->yield / s->von_mises);
   }
   const Sample *last = samples->items + samples->n - 1;
   figures->von_mises_max = last->von_mises;
@@ -121,27 +130,32 @@ static void read_figures(const LthBody *body, Samples *samples, LthStressFigures
   if (figures->safety == HUGE_VAL) figures->safety = NAN;
 }
 
-LitheStatus lth_measure_stress(LitheCtx *ctx, const LthBody *body, LthStressFigures *figures) {
+LitheStatus lth_measure_stress(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
+                               LthStressFigures *figures) {
   LitheStatus status = LITHE_OK;
   Samples samples = {0};
   *figures = (LthStressFigures){.safety = HUGE_VAL};
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++)
-    LITHE_TRY_OR(done, sample_cell(ctx, body, c, &samples));
-  read_figures(body, &samples, figures);
+  for (LitheIndex b = 0; b < n; b++)
+    for (LitheIndex c = 0; c < bodies[b]->mesh->n_cells; c++)
+      LITHE_TRY_OR(done, sample_cell(ctx, bodies[b], b, c, &samples));
+  read_figures(&samples, figures);
 
 done:
   lth_free(ctx, samples.items);
   return status;
 }
 
-double lth_measure_volume(const LthBody *body) {
-  const double *u = lth_simulation_displacement(body->sim);
+double lth_measure_volume(LitheIndex n, LthBody *const *bodies) {
   double volume = 0;
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
-    double F[9];
-    lth_dg_mean_gradient(body->space, c, u, F);
-    for (int a = 0; a < 3; a++) F[4 * a] += 1;
-    volume += body->mesh->cell_volume[c] * lth_m3_det(F);
+  for (LitheIndex b = 0; b < n; b++) {
+    const LthBody *body = bodies[b];
+    const double *u = lth_body_displacement(body);
+    for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+      double F[9];
+      lth_disc_mean_gradient(body->disc, c, u, F);
+      for (int a = 0; a < 3; a++) F[4 * a] += 1;
+      volume += body->mesh->cell_volume[c] * lth_m3_det(F);
+    }
   }
   return volume;
 }

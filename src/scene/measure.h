@@ -1,14 +1,14 @@
-/// Figures of a body's present state for the result: displacement, stress, volume, errors.
+/// Figures of the bodies' present state for the result: displacement, stress, volume, errors.
 #pragma once
 
-#include "scene/body.h"
+#include "scene/world.h"
 
 typedef struct LthDisplacementFigures {
   double max;  ///< largest length at corners of elements [m]
   double mean; ///< mean length over the volume [m]
 } LthDisplacementFigures;
 
-LitheStatus lth_measure_displacement(LitheCtx *ctx, const LthBody *body,
+LitheStatus lth_measure_displacement(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
                                      LthDisplacementFigures *figures);
 
 /// Samples: the centroid of each element of degree 1 (stress hardly varies there), the centroid and all
@@ -20,13 +20,14 @@ typedef struct LthStressFigures {
   double safety;        ///< least yield strength over von Mises stress; NaN where none is given
 } LthStressFigures;
 
-LitheStatus lth_measure_stress(LitheCtx *ctx, const LthBody *body, LthStressFigures *figures);
+LitheStatus lth_measure_stress(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
+                               LthStressFigures *figures);
 
 /// von Mises stress of xx yy zz yz zx xy.
 double lth_von_mises(const double stress[6]);
 
 /// Deformed volume [m^3]: det F at each element's mean gradient.
-double lth_measure_volume(const LthBody *body);
+double lth_measure_volume(LitheIndex n, LthBody *const *bodies);
 
 /// Norms of displacement minus the scene's exact one at the present time, over the volume; h1 is the norm
 /// of the gradient of the error (the exact gradient by central differences).
@@ -35,4 +36,5 @@ typedef struct LthErrorFigures {
   double stress_l2, stress_linf; ///< with an exact stress
 } LthErrorFigures;
 
-LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures);
+LitheStatus lth_measure_error(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
+                              LthErrorFigures *figures);

@@ -26,7 +26,7 @@ static void exact_gradient(const LthScene *scene, const double x[3], double t, d
 static void add_displacement(const LthBody *body, LitheIndex cell, const double *coef,
                              const double x[3], double w, LthErrorFigures *sum) {
   double t = lth_simulation_time(body->sim), u[3], exact[3], gradient[9], exact_g[9];
-  lth_dg_sample(body->space, cell, coef, x, u);
+  lth_disc_sample(body->disc, cell, coef, x, u);
   exact_displacement(body->scene, x, t, exact);
   double e = lth_v3_distance(u, exact);
   sum->l1 += w * e;
@@ -34,7 +34,7 @@ static void add_displacement(const LthBody *body, LitheIndex cell, const double 
   sum->linf = fmax(sum->linf, e);
 
   // third root of the rounding unit balances rounding and truncation
-  lth_dg_sample_gradient(body->space, cell, coef, x, gradient);
+  lth_disc_sample_gradient(body->disc, cell, coef, x, gradient);
   exact_gradient(body->scene, x, t, 6e-6 * body->size, exact_g);
   for (int i = 0; i < 9; i++)
     sum->h1 += w * (gradient[i] - exact_g[i]) * (gradient[i] - exact_g[i]);
@@ -44,7 +44,7 @@ static void add_stress(const LthBody *body, LitheIndex cell, const double x[3], 
                        LthErrorFigures *sum) {
   static const int entry[6] = {0, 4, 8, 5, 2, 1}; // xx yy zz yz zx xy in a row-major tensor
   double stress[6], square = 0, t = lth_simulation_time(body->sim);
-  lth_dg_stress(body->op, cell, lth_simulation_position(body->sim), x, stress);
+  body->disc->table->stress(body->disc, cell, lth_body_position(body), x, stress);
   for (int i = 0; i < 6; i++) {
     double e = stress[i] - lth_value_at(body->scene->exact_stress + entry[i], x, t);
     square += (i < 3 ? 1 : 2) * e * e;
@@ -53,13 +53,12 @@ static void add_stress(const LthBody *body, LitheIndex cell, const double x[3], 
   sum->stress_linf = fmax(sum->stress_linf, sqrt(square));
 }
 
-LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures) {
-  const double *coef = lth_simulation_displacement(body->sim);
-  *figures = (LthErrorFigures){0};
+static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures) {
+  const double *coef = lth_body_displacement(body);
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
     LitheIndex n;
     double *points, *weights;
-    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2 * body->space->degree[c] + 2, &n,
+    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2 * body->disc->cell_degree[c] + 2, &n,
                                      &points, &weights));
     for (LitheIndex q = 0; q < n; q++) {
       const double *x = points + 3 * (LitheCount)q;
@@ -70,6 +69,13 @@ LitheStatus lth_measure_error(LitheCtx *ctx, const LthBody *body, LthErrorFigure
     lth_free(ctx, points);
     lth_free(ctx, weights);
   }
+  return LITHE_OK;
+}
+
+LitheStatus lth_measure_error(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
+                              LthErrorFigures *figures) {
+  *figures = (LthErrorFigures){0};
+  for (LitheIndex b = 0; b < n; b++) LITHE_TRY(add_body(ctx, bodies[b], figures));
 
   // weights of non-convex elements may be negative: a sum of nothing but rounding may be too
   figures->l2 = sqrt(fmax(figures->l2, 0));

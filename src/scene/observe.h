@@ -1,12 +1,12 @@
 /// Observers: what looks at a run at its output times and writes files.
 #pragma once
 
-#include "scene/body.h"
+#include "scene/world.h"
 
 /// history.csv: one row an output time.
 typedef struct LthHistory LthHistory;
 LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, LthHistory **history);
-LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthBody *body);
+LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *world);
 LitheStatus lth_history_close(LitheCtx *ctx, LthHistory **history);
 
 /// Named points of the body: probes.csv, and their last values for the result.
@@ -17,24 +17,30 @@ typedef struct LthProbeValue {
 } LthProbeValue;
 
 typedef struct LthProbes LthProbes;
-/// A probe outside the body takes the nearest element, with a warning. No file without probes.
-LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+/// A probe belongs to the first body that holds it at rest; one outside all takes the nearest element, with a
+/// warning. No file without probes.
+LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *world,
                             LthProbes **probes);
-LthProbeValue lth_probe_value(const LthProbes *probes, const LthBody *body, LitheIndex i);
-LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthBody *body);
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i);
+LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *world);
 LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes);
 
-/// fields_0000.vtu ... and fields.pvd.
+/// fields_0000.vtu ... and fields.pvd of one body; where there are several, NAME_fields_0000.vtu and so on.
 typedef struct LthFields LthFields;
 LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                             LthFields **fields);
 LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *fields, const LthBody *body);
 LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields);
 
-/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl.
+/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl; NAME_surface.obj where
+/// there are several bodies.
 typedef struct LthSurfaceOutput LthSurfaceOutput;
 /// `period` is the time between frames [s].
 LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                                     double period, LthSurfaceOutput **out);
 LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body);
 LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out);
+
+/// "fields", or "NAME_fields" where the scene has several bodies: letters of the name that files cannot have
+/// become underscores. Freed by lth_free().
+LitheStatus lth_output_stem(LitheCtx *ctx, const LthBody *body, const char *what, char **stem);

@@ -10,7 +10,7 @@
 #include <string.h>
 
 struct LthFields {
-  char *folder;
+  char *folder, *stem;
   LitheCount *cell_point_off;
   LitheIndex *cell_mesh_point;
   LitheIndex n_points;
@@ -19,7 +19,8 @@ struct LthFields {
   LthVtuTopology *topology;
   LitheIndex n_frames;
   LitheCount cap_frames;
-  double *times; ///< (n_frames)
+  double *times;   ///< (n_frames)
+  const double *u; ///< the present displacement, lent by the simulation
 };
 
 static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
@@ -35,7 +36,7 @@ static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
   LTH_NEW(ctx, f->level, n_cells);
   LTH_NEW(ctx, f->label, n_cells);
   for (LitheIndex c = 0; c < n_cells; c++) {
-    f->degree[c] = body->space->degree[c];
+    f->degree[c] = body->disc->cell_degree[c];
     f->label[c] = body->label[c];
   }
   return LITHE_OK;
@@ -45,22 +46,22 @@ LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *bo
                             LthFields **fields) {
   LTH_NEW(ctx, *fields, 1);
   LITHE_TRY(lth_copy_text(ctx, folder, &(*fields)->folder));
+  LITHE_TRY(lth_output_stem(ctx, body, "fields", &(*fields)->stem));
   return body->scene->fields_vtu ? allocate(ctx, body, *fields) : LITHE_OK;
 }
 
 /// Fields of one cell at its points and its centroid.
 static void sample_cell(const LthBody *body, LthFields *f, LitheIndex cell) {
-  const double *u = lth_simulation_displacement(body->sim);
-  const double *v = lth_simulation_velocity(body->sim);
-  const double *x = lth_simulation_position(body->sim);
+  const double *u = f->u, *v = lth_body_velocity(body), *x = lth_body_position(body);
   for (LitheCount i = f->cell_point_off[cell]; i < f->cell_point_off[cell + 1]; i++) {
     const double *rest = body->mesh->points + 3 * (LitheCount)f->cell_mesh_point[i];
-    lth_dg_sample(body->space, cell, u, rest, f->displacement + 3 * i);
-    lth_dg_sample(body->space, cell, v, rest, f->velocity + 3 * i);
+    lth_disc_sample(body->disc, cell, u, rest, f->displacement + 3 * i);
+    lth_disc_sample(body->disc, cell, v, rest, f->velocity + 3 * i);
     lth_v3_add(rest, f->displacement + 3 * i, f->points + 3 * i);
   }
   double *stress = f->stress + 6 * (LitheCount)cell;
-  lth_dg_stress(body->op, cell, x, body->mesh->cell_centroid + 3 * (LitheCount)cell, stress);
+  body->disc->table->stress(body->disc, cell, x, body->mesh->cell_centroid + 3 * (LitheCount)cell,
+                            stress);
   f->von_mises[cell] = lth_von_mises(stress);
 }
 
@@ -90,15 +91,18 @@ static LitheStatus write_vtu(LitheCtx *ctx, LthFields *f, const LthBody *body, c
 /// The list of all files so far, names relative to it.
 static LitheStatus write_pvd(LitheCtx *ctx, const LthFields *f) {
   LitheStatus status = LITHE_OK;
-  char(*names)[32] = NULL, *path = NULL;
+  size_t room = strlen(f->stem) + 24;
+  char *names = NULL, *path = NULL;
   const char **files = NULL;
-  LTH_NEW_OR(done, ctx, names, f->n_frames);
+  LTH_NEW_OR(done, ctx, names, ((LitheCount)f->n_frames + 1) * (LitheCount)room);
   LTH_NEW_OR(done, ctx, files, f->n_frames);
   for (LitheIndex i = 0; i < f->n_frames; i++) {
-    snprintf(names[i], sizeof names[i], "fields_%04d.vtu", i);
-    files[i] = names[i];
+    files[i] = names + room * (size_t)i;
+    snprintf(names + room * (size_t)i, room, "%s_%04d.vtu", f->stem, i);
   }
-  LITHE_TRY_OR(done, lth_path_join(ctx, f->folder, "fields.pvd", &path));
+  char *name = names + room * (size_t)f->n_frames;
+  snprintf(name, room, "%s.pvd", f->stem);
+  LITHE_TRY_OR(done, lth_path_join(ctx, f->folder, name, &path));
   LITHE_TRY_OR(done, lth_pvd_write(ctx, path, f->n_frames, f->times, files));
 
 done:
@@ -111,10 +115,11 @@ done:
 LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
   if (!body->scene->fields_vtu) return LITHE_OK;
   char *path;
+  f->u = lth_body_displacement(body);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) sample_cell(body, f, c);
   LTH_RESERVE(ctx, f->times, f->cap_frames, f->n_frames + 1);
-  LITHE_TRY(lth_path_numbered(ctx, f->folder, "fields", f->n_frames, "vtu", &path));
+  LITHE_TRY(lth_path_numbered(ctx, f->folder, f->stem, f->n_frames, "vtu", &path));
   LitheStatus status = write_vtu(ctx, f, body, path);
   lth_free(ctx, path);
   LITHE_TRY(status);
@@ -127,9 +132,10 @@ LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
   if (!f) return LITHE_OK;
   LitheStatus status = LITHE_OK;
   if (f->n_frames > 0)
-    status = lth_file_remove_numbered(ctx, f->folder, "fields", f->n_frames, "vtu");
+    status = lth_file_remove_numbered(ctx, f->folder, f->stem, f->n_frames, "vtu");
   lth_vtu_topology_destroy(ctx, &f->topology);
   lth_free(ctx, f->folder);
+  lth_free(ctx, f->stem);
   lth_free(ctx, f->cell_point_off);
   lth_free(ctx, f->cell_mesh_point);
   lth_free(ctx, f->points);

@@ -22,12 +22,18 @@ LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, LthHistory **his
   return status;
 }
 
-LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthBody *body) {
-  const LthStepReport *r = lth_simulation_report(body->sim);
-  const double row[] = {
-      lth_simulation_time(body->sim), r->strain_energy, r->kinetic_energy, r->work,
-      lth_measure_volume(body),       r->contacts,      r->penetration,    r->linear_iterations,
-      r->newton_iterations,           r->residual};
+LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *world) {
+  const LthStepReport *r = lth_simulation_report(world->sim);
+  const double row[] = {lth_simulation_time(world->sim),
+                        r->strain_energy,
+                        r->kinetic_energy,
+                        r->work,
+                        lth_measure_volume(world->n_bodies, world->bodies),
+                        r->contacts,
+                        r->penetration,
+                        r->linear_iterations,
+                        r->newton_iterations,
+                        r->residual};
   return lth_csv_row(ctx, history->csv, row);
 }
 

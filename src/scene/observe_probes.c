@@ -1,4 +1,4 @@
-/// Named points of the body: probes.csv, and their last values for the result.
+/// Named points of the bodies: probes.csv, and their last values for the result.
 #include "io/csv.h"
 #include "io/file.h"
 #include "scene/measure.h"
@@ -14,20 +14,28 @@
 struct LthProbes {
   LthCsv *csv;
   LitheIndex n;
-  LitheIndex *cell; ///< (n)
-  double *row;      ///< (1 + COLUMNS n)
+  LitheIndex *body, *cell; ///< that a probe lies in               (n)
+  double *row;             ///< (1 + COLUMNS n)
 };
 
-static LitheStatus find_cells(LitheCtx *ctx, const LthBody *body, LthProbes *probes) {
-  for (LitheIndex i = 0; i < probes->n; i++) {
-    const LthSceneProbe *p = body->scene->probes + i;
+/// The first body that holds a place, else the one whose nearest element's centroid is nearest.
+static LitheStatus find_cell(LitheCtx *ctx, const LthWorld *world, const LthSceneProbe *p,
+                             LitheIndex *body, LitheIndex *cell) {
+  double nearest = INFINITY;
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    const LthMesh *mesh = world->bodies[b]->mesh;
+    LitheIndex found;
     bool inside;
-    LITHE_TRY(lth_find_cell(ctx, body->mesh, p->point, probes->cell + i, &inside));
-    if (inside) continue;
-    lth_warn(ctx,
-             "probe %s: (%g, %g, %g) lies outside the body at rest; the nearest element is used",
-             p->name, p->point[0], p->point[1], p->point[2]);
+    LITHE_TRY(lth_find_cell(ctx, mesh, p->point, &found, &inside));
+    double distance = lth_v3_distance(p->point, mesh->cell_centroid + 3 * (LitheCount)found);
+    if (!inside && distance >= nearest) continue;
+    nearest = distance;
+    *body = b;
+    *cell = found;
+    if (inside) return LITHE_OK;
   }
+  lth_warn(ctx, "probe %s: (%g, %g, %g) lies outside the body at rest; the nearest element is used",
+           p->name, p->point[0], p->point[1], p->point[2]);
   return LITHE_OK;
 }
 
@@ -69,32 +77,35 @@ done:
   return status;
 }
 
-LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthBody *body,
+LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *world,
                             LthProbes **probes) {
   LTH_NEW(ctx, *probes, 1);
-  (*probes)->n = body->scene->n_probes;
-  if ((*probes)->n == 0) return LITHE_OK;
-  LTH_NEW(ctx, (*probes)->cell, (*probes)->n);
-  LTH_NEW(ctx, (*probes)->row, 1 + COLUMNS * (LitheCount)(*probes)->n);
-  LITHE_TRY(find_cells(ctx, body, *probes));
-  return open_csv(ctx, folder, body->scene, *probes);
+  LthProbes *p = *probes;
+  p->n = world->scene->n_probes;
+  if (p->n == 0) return LITHE_OK;
+  LTH_NEW(ctx, p->body, p->n);
+  LTH_NEW(ctx, p->cell, p->n);
+  LTH_NEW(ctx, p->row, 1 + COLUMNS * (LitheCount)p->n);
+  for (LitheIndex i = 0; i < p->n; i++)
+    LITHE_TRY(find_cell(ctx, world, world->scene->probes + i, p->body + i, p->cell + i));
+  return open_csv(ctx, folder, world->scene, p);
 }
 
-LthProbeValue lth_probe_value(const LthProbes *probes, const LthBody *body, LitheIndex i) {
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i) {
   LthProbeValue value;
-  const double *at = body->scene->probes[i].point;
-  lth_dg_sample(body->space, probes->cell[i], lth_simulation_displacement(body->sim), at,
-                value.displacement);
-  lth_dg_stress(body->op, probes->cell[i], lth_simulation_position(body->sim), at, value.stress);
+  const LthBody *body = world->bodies[probes->body[i]];
+  const double *at = world->scene->probes[i].point;
+  lth_disc_sample(body->disc, probes->cell[i], lth_body_displacement(body), at, value.displacement);
+  body->disc->table->stress(body->disc, probes->cell[i], lth_body_position(body), at, value.stress);
   value.von_mises = lth_von_mises(value.stress);
   return value;
 }
 
-LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthBody *body) {
+LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *world) {
   if (probes->n == 0) return LITHE_OK;
-  probes->row[0] = lth_simulation_time(body->sim);
+  probes->row[0] = lth_simulation_time(world->sim);
   for (LitheIndex i = 0; i < probes->n; i++) {
-    LthProbeValue value = lth_probe_value(probes, body, i);
+    LthProbeValue value = lth_probe_value(probes, world, i);
     double *row = probes->row + 1 + COLUMNS * (LitheCount)i;
     memcpy(row, value.displacement, sizeof value.displacement);
     memcpy(row + 3, value.stress, sizeof value.stress);
@@ -106,6 +117,7 @@ LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthBody *body
 LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes) {
   if (!*probes) return LITHE_OK;
   LitheStatus status = lth_csv_close(ctx, &(*probes)->csv);
+  lth_free(ctx, (*probes)->body);
   lth_free(ctx, (*probes)->cell);
   lth_free(ctx, (*probes)->row);
   lth_free(ctx, *probes);

@@ -9,7 +9,7 @@
 #include <string.h>
 
 struct LthSurfaceOutput {
-  char *folder;
+  char *folder, *stem;
   LthPc2 *pc2;
   double *points; ///< deformed, in the space of the output   (n x 3)
   LitheIndex n_frames;
@@ -58,8 +58,8 @@ static LitheStatus open_cache(LitheCtx *ctx, const LthBody *body, double period,
   LitheIndex n = body->soup->n_points;
   memcpy(out->points, body->soup->points, sizeof *out->points * 3 * (size_t)n);
   to_output_space(out, n, out->points);
-  LITHE_TRY_OR(done, lth_path_join(ctx, out->folder, "surface.obj", &obj));
-  LITHE_TRY_OR(done, lth_path_join(ctx, out->folder, "surface.pc2", &pc2));
+  LITHE_TRY_OR(done, lth_path_ending(ctx, out->folder, out->stem, "obj", &obj));
+  LITHE_TRY_OR(done, lth_path_ending(ctx, out->folder, out->stem, "pc2", &pc2));
   LITHE_TRY_OR(done, lth_soup_write_obj(ctx, obj, body->soup, out->points));
   LITHE_TRY_OR(done, lth_pc2_open(ctx, pc2, n, period, &out->pc2));
 
@@ -73,6 +73,7 @@ LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const Lth
                                     double period, LthSurfaceOutput **out) {
   LTH_NEW(ctx, *out, 1);
   LITHE_TRY(lth_copy_text(ctx, folder, &(*out)->folder));
+  LITHE_TRY(lth_output_stem(ctx, body, "surface", &(*out)->stem));
   if (!is_wanted(body)) return LITHE_OK;
   (*out)->kinds[0] = body->scene->surface_obj;
   (*out)->kinds[1] = body->scene->surface_ply;
@@ -89,7 +90,7 @@ typedef LitheStatus WriteFn(LitheCtx *ctx, const char *path, const LthSoup *soup
 static LitheStatus write_numbered(LitheCtx *ctx, const LthSurfaceOutput *out, const LthBody *body,
                                   const char *ending, WriteFn *write) {
   char *path;
-  LITHE_TRY(lth_path_numbered(ctx, out->folder, "surface", out->n_frames, ending, &path));
+  LITHE_TRY(lth_path_numbered(ctx, out->folder, out->stem, out->n_frames, ending, &path));
   LitheStatus status = write(ctx, path, body->soup, out->points);
   lth_free(ctx, path);
   return status;
@@ -98,8 +99,7 @@ static LitheStatus write_numbered(LitheCtx *ctx, const LthSurfaceOutput *out, co
 LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body) {
   const LthScene *scene = body->scene;
   if (!is_wanted(body)) return LITHE_OK;
-  lth_embedding_apply(body->embedding, lth_threads(ctx), lth_simulation_displacement(body->sim),
-                      out->points);
+  lth_embedding_apply(body->embedding, lth_threads(ctx), lth_body_displacement(body), out->points);
   to_output_space(out, body->soup->n_points, out->points);
   if (scene->surface_pc2) LITHE_TRY(lth_pc2_append(ctx, out->pc2, out->points));
   if (scene->surface_obj) LITHE_TRY(write_numbered(ctx, out, body, "obj", lth_soup_write_obj));
@@ -111,12 +111,12 @@ LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const
 
 /// Remove what a longer run left behind, of the kinds that this run wrote.
 static LitheStatus remove_rest(LitheCtx *ctx, const LthSurfaceOutput *out) {
-  const char *folder = out->folder;
+  const char *folder = out->folder, *stem = out->stem;
   LitheIndex n = out->n_frames;
   if (n == 0) return LITHE_OK;
-  if (out->kinds[0]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "obj"));
-  if (out->kinds[1]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "ply"));
-  if (out->kinds[2]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, "surface", n, "stl"));
+  if (out->kinds[0]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, stem, n, "obj"));
+  if (out->kinds[1]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, stem, n, "ply"));
+  if (out->kinds[2]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, stem, n, "stl"));
   return LITHE_OK;
 }
 
@@ -126,6 +126,7 @@ LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out) {
   LitheStatus status = lth_pc2_close(ctx, &o->pc2);
   LitheStatus removed = remove_rest(ctx, o);
   lth_free(ctx, o->folder);
+  lth_free(ctx, o->stem);
   lth_free(ctx, o->points);
   lth_free(ctx, o);
   *out = NULL;

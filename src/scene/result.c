@@ -23,23 +23,73 @@ static void put_method(LthJson *json, const LthSceneBody *def) {
   lth_json_end_object(json);
 }
 
-static void put_body(LthJson *json, const LthBody *body) {
-  double penalty[2], volume = 0;
+/// Nonzeros of a body's rows of the matrix.
+static LitheCount count_nonzeros(const LthBlockMatrix *K, LitheCount first, LitheCount last) {
+  LitheCount n = 0;
+  for (LitheIndex row = 0; row < K->n_rows; row++)
+    if (K->row_off[row] >= first && K->row_off[row] < last)
+      n += K->value_off[K->block_off[row + 1]] - K->value_off[K->block_off[row]];
+  return n;
+}
+
+static LitheStatus put_displacement(LitheCtx *ctx, LthJson *json, LitheIndex n,
+                                    LthBody *const *bodies, double *largest) {
+  LthDisplacementFigures u;
+  LITHE_TRY(lth_measure_displacement(ctx, n, bodies, &u));
+  lth_json_begin_object(json, "displacement");
+  lth_json_number(json, "max", u.max);
+  lth_json_number(json, "mean", u.mean);
+  lth_json_end_object(json);
+  *largest = u.max;
+  return LITHE_OK;
+}
+
+static LitheStatus put_stress(LitheCtx *ctx, LthJson *json, LitheIndex n, LthBody *const *bodies,
+                              double *largest) {
+  LthStressFigures s;
+  LITHE_TRY(lth_measure_stress(ctx, n, bodies, &s));
+  lth_json_begin_object(json, "stress");
+  lth_json_number(json, "von_mises_max", s.von_mises_max);
+  lth_json_number(json, "p99", s.p99);
+  lth_json_vector(json, "at", 3, s.at);
+  if (isfinite(s.safety)) lth_json_number(json, "safety", s.safety);
+  lth_json_end_object(json);
+  *largest = s.von_mises_max;
+  return LITHE_OK;
+}
+
+static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
+  const LthBody *body = *at;
+  double penalty[2], volume = 0, largest;
   const LthBlockMatrix *K = lth_simulation_matrix(body->sim);
-  lth_dg_penalty_range(body->op, penalty, penalty + 1);
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) volume += body->mesh->cell_volume[c];
-  lth_json_begin_array(json, "bodies");
   lth_json_begin_object(json, NULL);
   lth_json_string(json, "name", body->def->name);
   put_method(json, body->def);
   lth_json_integer(json, "elements", body->mesh->n_cells);
-  lth_json_integer(json, "dofs", body->space->n_dofs);
-  lth_json_integer(json, "nonzeros", K->value_off[K->block_off[K->n_rows]]);
+  lth_json_integer(json, "dofs", body->disc->n_dofs);
+  lth_json_integer(json, "nonzeros",
+                   count_nonzeros(K, body->first, body->first + body->disc->n_dofs));
   lth_json_number(json, "volume", volume);
   lth_json_number(json, "mass", body->mass);
-  lth_json_vector(json, "penalty", 2, penalty);
+  if (body->op) {
+    lth_dg_penalty_range(body->op, penalty, penalty + 1);
+    lth_json_vector(json, "penalty", 2, penalty);
+  }
+  if (body->scene->n_bodies > 1) {
+    LITHE_TRY(put_displacement(ctx, json, 1, at, &largest));
+    LITHE_TRY(put_stress(ctx, json, 1, at, &largest));
+  }
   lth_json_end_object(json);
+  return LITHE_OK;
+}
+
+static LitheStatus put_bodies(LitheCtx *ctx, LthJson *json, const LthWorld *world) {
+  lth_json_begin_array(json, "bodies");
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    LITHE_TRY(put_body(ctx, json, world->bodies + b));
   lth_json_end_array(json);
+  return LITHE_OK;
 }
 
 static void put_energy(LthJson *json, const LthStepReport *r) {
@@ -52,65 +102,55 @@ static void put_energy(LthJson *json, const LthStepReport *r) {
   lth_json_vector(json, "angular_momentum", 3, r->angular_momentum);
 }
 
-/// Forces of the weak constraints on the body; strong ones have none of their own: null.
-/// Forces of all constraints on the body, in the scene's order (n_constraints x 3).
-static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, double *reaction) {
-  LitheStatus status = LITHE_OK;
-  const double *imbalance;
+/// Forces of all constraints on the body, in the scene's order (n_constraints x 3). `imbalance` is that of the
+/// body's unknowns, or NULL where no body has strong constraints.
+static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, const double *imbalance,
+                                  double *reaction) {
   double *weak;
   LTH_NEW(ctx, weak, 3 * (LitheCount)body->n_weak);
-  lth_dg_reactions(body->op, lth_simulation_time(body->sim), lth_simulation_position(body->sim),
-                   weak);
+  body->disc->table->reactions(body->disc, lth_simulation_time(body->sim), lth_body_position(body),
+                               weak);
   for (LitheIndex k = 0; k < body->n_weak; k++)
     lth_v3_copy(weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
-  if (!body->strong) goto done;
-  LITHE_TRY_OR(done, lth_simulation_imbalance(ctx, body->sim, &imbalance));
-  lth_dg_strong_add_reactions(body->strong, imbalance, reaction);
-
-done:
+  if (body->strong) lth_dg_strong_add_reactions(body->strong, imbalance + body->first, reaction);
   lth_free(ctx, weak);
-  return status;
+  return LITHE_OK;
 }
 
-static LitheStatus put_reactions(LitheCtx *ctx, LthJson *json, const LthBody *body) {
+static LitheStatus put_reaction(LitheCtx *ctx, LthJson *json, const LthBody *body,
+                                const double *imbalance) {
   double *reaction;
   LTH_NEW(ctx, reaction, 3 * (LitheCount)body->def->n_constraints);
-  LitheStatus status = find_reactions(ctx, body, reaction);
-  lth_json_begin_object(json, "reaction");
+  LitheStatus status = find_reactions(ctx, body, imbalance, reaction);
   for (LitheIndex i = 0; i < body->def->n_constraints; i++)
     lth_json_vector(json, body->def->constraints[i].path, 3, reaction + 3 * (LitheCount)i);
-  lth_json_end_object(json);
   lth_free(ctx, reaction);
   return status;
 }
 
-static LitheStatus put_state(LitheCtx *ctx, LthJson *json, const LthBody *body,
-                             LitheRunSummary *summary) {
-  LthDisplacementFigures u;
-  LthStressFigures s;
-  LITHE_TRY(lth_measure_displacement(ctx, body, &u));
-  LITHE_TRY(lth_measure_stress(ctx, body, &s));
-  lth_json_begin_object(json, "displacement");
-  lth_json_number(json, "max", u.max);
-  lth_json_number(json, "mean", u.mean);
+static LitheStatus put_reactions(LitheCtx *ctx, LthJson *json, const LthWorld *world) {
+  const double *imbalance = NULL;
+  if (world->system->has_held) LITHE_TRY(lth_simulation_imbalance(ctx, world->sim, &imbalance));
+  lth_json_begin_object(json, "reaction");
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    LITHE_TRY(put_reaction(ctx, json, world->bodies[b], imbalance));
   lth_json_end_object(json);
-  lth_json_begin_object(json, "stress");
-  lth_json_number(json, "von_mises_max", s.von_mises_max);
-  lth_json_number(json, "p99", s.p99);
-  lth_json_vector(json, "at", 3, s.at);
-  if (isfinite(s.safety)) lth_json_number(json, "safety", s.safety);
-  lth_json_end_object(json);
-  summary->max_displacement = u.max;
-  summary->max_von_mises = s.von_mises_max;
   return LITHE_OK;
 }
 
-static void put_probes(LthJson *json, const LthProbes *probes, const LthBody *body) {
-  if (body->scene->n_probes == 0) return;
+static LitheStatus put_state(LitheCtx *ctx, LthJson *json, const LthWorld *world,
+                             LitheRunSummary *summary) {
+  LITHE_TRY(
+      put_displacement(ctx, json, world->n_bodies, world->bodies, &summary->max_displacement));
+  return put_stress(ctx, json, world->n_bodies, world->bodies, &summary->max_von_mises);
+}
+
+static void put_probes(LthJson *json, const LthProbes *probes, const LthWorld *world) {
+  if (world->scene->n_probes == 0) return;
   lth_json_begin_object(json, "probes");
-  for (LitheIndex i = 0; i < body->scene->n_probes; i++) {
-    LthProbeValue value = lth_probe_value(probes, body, i);
-    lth_json_begin_object(json, body->scene->probes[i].name);
+  for (LitheIndex i = 0; i < world->scene->n_probes; i++) {
+    LthProbeValue value = lth_probe_value(probes, world, i);
+    lth_json_begin_object(json, world->scene->probes[i].name);
     lth_json_vector(json, "displacement", 3, value.displacement);
     lth_json_vector(json, "stress", 6, value.stress);
     lth_json_number(json, "von_mises", value.von_mises);
@@ -119,11 +159,11 @@ static void put_probes(LthJson *json, const LthProbes *probes, const LthBody *bo
   lth_json_end_object(json);
 }
 
-static LitheStatus put_error(LitheCtx *ctx, LthJson *json, const LthBody *body) {
-  const LthScene *scene = body->scene;
+static LitheStatus put_error(LitheCtx *ctx, LthJson *json, const LthWorld *world) {
+  const LthScene *scene = world->scene;
   LthErrorFigures e;
   if (!scene->has_exact_displacement && !scene->has_exact_stress) return LITHE_OK;
-  LITHE_TRY(lth_measure_error(ctx, body, &e));
+  LITHE_TRY(lth_measure_error(ctx, world->n_bodies, world->bodies, &e));
   lth_json_begin_object(json, "error");
   if (scene->has_exact_displacement) {
     lth_json_number(json, "l1", e.l1);
@@ -141,11 +181,21 @@ static LitheStatus put_error(LitheCtx *ctx, LthJson *json, const LthBody *body) 
   return LITHE_OK;
 }
 
-static void put_contact(LthJson *json, const LthBody *body) {
-  if (!body->contact) return;
-  LitheIndex n;
-  double penetration, force;
-  lth_contact_report(body->contact, &n, &penetration, &force);
+/// What colliders do to the bodies, all together.
+static void put_contact(LthJson *json, const LthWorld *world) {
+  LitheIndex n = 0, n_contacts = 0;
+  double penetration = 0, force = 0;
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    LitheIndex points;
+    double depth, push;
+    if (!world->bodies[b]->contact) continue;
+    lth_contact_report(world->bodies[b]->contact, &points, &depth, &push);
+    n_contacts++;
+    n += points;
+    penetration = fmax(penetration, depth);
+    force += push;
+  }
+  if (n_contacts == 0) return;
   lth_json_begin_object(json, "contact");
   lth_json_integer(json, "points", n);
   lth_json_number(json, "penetration", penetration);
@@ -191,21 +241,21 @@ static void put_machine(LitheCtx *ctx, LthJson *json) {
 
 static LitheStatus put_all(LitheCtx *ctx, const LthResultInput *in, LthJson *json,
                            LitheRunSummary *summary) {
-  const LthBody *body = in->body;
-  const LthStepReport *report = lth_simulation_report(body->sim);
+  const LthWorld *world = in->world;
+  const LthStepReport *report = lth_simulation_report(world->sim);
   lth_json_begin_object(json, NULL);
-  lth_json_string(json, "scene", body->scene->file);
-  lth_json_string(json, "title", body->scene->title);
+  lth_json_string(json, "scene", world->scene->file);
+  lth_json_string(json, "title", world->scene->title);
   lth_json_string(json, "version", lithe_version());
   lth_json_string(json, "status", status_word(in->status));
-  lth_json_number(json, "simulated", lth_simulation_time(body->sim));
-  put_body(json, body);
-  LITHE_TRY(put_state(ctx, json, body, summary));
+  lth_json_number(json, "simulated", lth_simulation_time(world->sim));
+  LITHE_TRY(put_bodies(ctx, json, world));
+  LITHE_TRY(put_state(ctx, json, world, summary));
   put_energy(json, report);
-  LITHE_TRY(put_reactions(ctx, json, body));
-  put_probes(json, in->probes, body);
-  put_contact(json, body);
-  LITHE_TRY(put_error(ctx, json, body));
+  LITHE_TRY(put_reactions(ctx, json, world));
+  put_probes(json, in->probes, world);
+  put_contact(json, world);
+  LITHE_TRY(put_error(ctx, json, world));
   put_solver(json, report, in->condition);
   put_times(json, &in->times, report);
   put_machine(ctx, json);

@@ -11,7 +11,7 @@ typedef struct LthTimes {
 } LthTimes;
 
 typedef struct LthResultInput {
-  const LthBody *body;
+  const LthWorld *world;
   const LthProbes *probes;
   LitheStatus status; ///< LITHE_OK, LITHE_NOT_CONVERGED or LITHE_INTERRUPTED
   LthTimes times;

@@ -31,7 +31,7 @@ void lithe_result_destroy(LitheCtx *ctx, LitheResult **result) {
 /// Everything that a run holds while it runs.
 typedef struct Run {
   const LthScene *scene;
-  LthBody *body;
+  LthWorld *world;
   LthSchedule schedule;
   LthOutput out;
   LthTimes times;
@@ -42,8 +42,8 @@ typedef struct Run {
 /// of it.
 static LitheStatus step(LitheCtx *ctx, const Run *run, double dt, double to) {
   LitheStatus status = run->schedule.kind == LTH_TIME_DYNAMIC
-                           ? lth_simulation_step(ctx, run->body->sim, dt)
-                           : lth_simulation_equilibrium(ctx, run->body->sim, to);
+                           ? lth_simulation_step(ctx, run->world->sim, dt)
+                           : lth_simulation_equilibrium(ctx, run->world->sim, to);
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)
     LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   return status;
@@ -61,23 +61,23 @@ static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
     double dt = (end - begin) / (double)n;
     LITHE_TRY(step(ctx, run, dt, begin + dt * (double)(i + 1)));
   }
-  lth_simulation_set_time(run->body->sim, end);
+  lth_simulation_set_time(run->world->sim, end);
   return LITHE_OK;
 }
 
 static LitheStatus simulate(LitheCtx *ctx, Run *run) {
-  if (run->schedule.writes_start) LITHE_TRY(lth_output_frame(ctx, &run->out, run->body));
+  if (run->schedule.writes_start) LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
   for (LitheIndex k = 1; k <= run->schedule.n_outputs; k++) {
     LITHE_TRY(advance(ctx, run, k));
-    LITHE_TRY(lth_output_frame(ctx, &run->out, run->body));
+    LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
   }
-  return lth_simulation_report(run->body->sim)->converged ? LITHE_OK : LITHE_NOT_CONVERGED;
+  return lth_simulation_report(run->world->sim)->converged ? LITHE_OK : LITHE_NOT_CONVERGED;
 }
 
 /// Condition number and matrix file, where the scene asks for them.
 static LitheStatus study_matrix(LitheCtx *ctx, const Run *run, const char *folder,
                                 double *condition) {
-  const LthBlockMatrix *K = lth_simulation_matrix(run->body->sim);
+  const LthBlockMatrix *K = lth_simulation_matrix(run->world->sim);
   *condition = NAN;
   if (run->scene->export_path) {
     char *path;
@@ -103,11 +103,12 @@ static LitheStatus write_json(LitheCtx *ctx, const LitheResult *result) {
 }
 
 static void summarise(const Run *run, LitheResult *result) {
-  const LthStepReport *report = lth_simulation_report(run->body->sim);
-  result->summary.elements = run->body->mesh->n_cells;
-  result->summary.unknowns = run->body->space->n_dofs;
+  const LthStepReport *report = lth_simulation_report(run->world->sim);
+  for (LitheIndex b = 0; b < run->world->n_bodies; b++)
+    result->summary.elements += run->world->bodies[b]->mesh->n_cells;
+  result->summary.unknowns = run->world->system->n;
   result->summary.frames = run->out.n_frames;
-  result->summary.simulated = lth_simulation_time(run->body->sim);
+  result->summary.simulated = lth_simulation_time(run->world->sim);
   result->summary.penetration = report->penetration;
   result->summary.converged = report->converged;
   result->summary.seconds = run->times.total;
@@ -115,7 +116,7 @@ static void summarise(const Run *run, LitheResult *result) {
 
 /// What is worth telling about a run that ended, ended early or did not converge.
 static LitheStatus conclude(LitheCtx *ctx, Run *run, LitheStatus status, LitheResult *result) {
-  LthResultInput input = {.body = run->body, .probes = run->out.probes, .status = status};
+  LthResultInput input = {.world = run->world, .probes = run->out.probes, .status = status};
   LITHE_TRY(study_matrix(ctx, run, result->folder, &input.condition));
   run->times.output = run->out.seconds;
   run->times.total = run->times.read + lth_now() - run->start;
@@ -139,11 +140,11 @@ static bool has_result(LitheStatus status) {
 
 static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
   double spent[2];
-  LITHE_TRY(lth_body_create(ctx, run->scene, spent, &run->body));
+  LITHE_TRY(lth_world_create(ctx, run->scene, spent, &run->world));
   LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   run->times.mesh = spent[0];
   run->times.integrate = spent[1];
-  LitheStatus status = lth_output_open(ctx, result->folder, run->body, &run->schedule, &run->out);
+  LitheStatus status = lth_output_open(ctx, result->folder, run->world, &run->schedule, &run->out);
   if (status == LITHE_OK) status = simulate(ctx, run);
   if (has_result(status)) {
     LitheStatus concluded = conclude(ctx, run, status, result);
@@ -175,7 +176,7 @@ LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder
   run.times.read = scene->read_seconds;
   run.schedule = lth_schedule_make(run.scene);
   LitheStatus status = run_scene(ctx, &run, *result);
-  lth_body_destroy(ctx, &run.body);
+  lth_world_destroy(ctx, &run.world);
   lth_set_threads(ctx, threads);
   return status;
 }

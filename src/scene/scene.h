@@ -3,6 +3,7 @@
 
 #include "base/ctx.h"
 #include "base/value.h"
+#include "disc/dg/dg_operator.h"
 #include "embed/embedding.h"
 #include "geometry/shape.h"
 #include "material/material.h"
@@ -89,7 +90,7 @@ typedef struct LthSceneProbe {
 typedef struct LthScene {
   char *title, *file, *directory; ///< file as given; directory that paths are relative to
   char *name;                     ///< stem of the file: the default output folder's name
-  LthSceneBody *bodies;           ///< one in this version
+  LthSceneBody *bodies;           ///< one or more (n_bodies)
   LitheIndex n_bodies;
   double gravity[3]; ///< [m/s^2]
   LthCollider *colliders;

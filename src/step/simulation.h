@@ -1,29 +1,9 @@
-/// A body that moves: its state, and the static, quasistatic and dynamic drivers.
+/// Bodies that move: their state, and the static, quasistatic and dynamic drivers.
 #pragma once
 
-#include "disc/dg/dg_load.h"
-#include "disc/dg/dg_operator.h"
-#include "embed/contact.h"
 #include "la/engine.h"
 #include "la/krylov.h"
-
-/// What the stepper needs of a body; everything is borrowed for life.
-typedef struct LthBodyDef {
-  const LthDgSpace *space;
-  LthDgOperator *op;
-  const double *density; ///< per cell [kg/m^3]
-  double damping_mass, damping_stiffness;
-  double gravity[3];
-  const LthLoad *loads;
-  LitheIndex n_loads;
-  const uint8_t *strong; ///< per cell: moves as prescribed, or NULL (n_cells)
-  LitheStatus (*prescribe)(const void *self, double t,
-                           double *x); ///< writes the coefficients of all
-                                       ///< strong cells at time t; others untouched
-  const void *prescribe_self;
-  LthContact *contact; ///< or NULL
-  bool warped;         ///< corotated: static solves iterate rotations
-} LthBodyDef;
+#include "system/system.h"
 
 typedef enum LthLinearChoice {
   LTH_LINEAR_AUTO,
@@ -59,13 +39,14 @@ typedef struct LthStepReport {
 
 typedef struct LthSimulation LthSimulation;
 
-/// Start at rest; x = X0. Sets up matrices, solvers and scratch, so that steps allocate nothing.
-LitheStatus lth_simulation_create(LitheCtx *ctx, const LthBodyDef *body,
-                                  const LthStepOptions *options, LthSimulation **sim);
+/// Start at rest; x = X0. Sets up matrices, solvers and scratch, so that steps allocate nothing. The system is
+/// borrowed for life.
+LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthStepOptions *options,
+                                  LthSimulation **sim);
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
 
-/// Coefficients: position, velocity (n_dofs each), lent until the next call. Writable by owners that
-/// set an initial state.
+/// Coefficients of all bodies, in the order of the system: position, velocity (n each), lent until the next
+/// call. Writable by owners that set an initial state.
 double *lth_simulation_position(LthSimulation *sim);
 double *lth_simulation_velocity(LthSimulation *sim);
 const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, computed by the call
@@ -76,7 +57,7 @@ double lth_simulation_time(const LthSimulation *sim);
 void lth_simulation_set_time(LthSimulation *sim, double t);
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
-/// External less internal force at the present state, contact not among them: (n_dofs) [N], valid until the
+/// External less internal force at the present state, contact not among them: (n) [N], valid until the
 /// next call on `sim`. Overwrites the matrix.
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);
 

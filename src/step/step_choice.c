@@ -133,9 +133,9 @@ LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s) {
   return status;
 }
 
-LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double cm, double ck) {
+LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
   bool lags = s->use_cholesky && s->options.linear == LTH_LINEAR_AUTO;
-  if (lags && !s->stale && s->factor_cm == cm && s->factor_ck == ck) return LITHE_OK;
+  if (lags && !s->stale && s->factor_step == h) return LITHE_OK;
   LitheStatus status = lth_step_factor(ctx, s);
   if (lags && status == LITHE_NOT_CONVERGED) { // PCG may still find its way, and says if not
     s->no_lag = true;
@@ -143,8 +143,7 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double cm, d
     return lth_step_factor(ctx, s);
   }
   if (lags) {
-    s->factor_cm = cm;
-    s->factor_ck = ck;
+    s->factor_step = h;
     s->fresh = true;
     s->stale = false;
     s->age_cost = 0;

@@ -15,7 +15,7 @@
 /// Where an equilibrium search stands.
 typedef struct Search {
   double t;
-  double residual; // |f_ext - f_int + contact| over cells that are free [N]
+  double residual; // |f_ext - f_int + contact| over unknowns that are free [N]
   double scale;    // size of the forces that balance [N]
   double floor;    // residual that rounding leaves [N]
   double damping;  // c of c M + K [1/s^2], 0: plain
@@ -30,7 +30,7 @@ static double stiffness_per_mass(const LthSimulation *s) {
     const double *B = s->A->values + s->A->value_off[s->A->diagonal[row]];
     for (LitheCount i = 0; i < m; i++) {
       stiffness += fabs(B[i * m + i]);
-      mass += s->mass[s->body.space->func_off[row] + i / 3];
+      mass += s->mass[(s->A->row_off[row] + i) / 3];
     }
   }
   return mass > 0 ? stiffness / mass : 0;
@@ -39,21 +39,17 @@ static double stiffness_per_mass(const LthSimulation *s) {
 /// Contact at rest, as a step of length one that ends at t: its forces then come unscaled.
 static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, double t, double *f) {
   LitheIndex n_active = 0;
-  s->contact_on = false;
-  if (!s->body.contact) return LITHE_OK;
-  lth_simulation_displacement(s);
-  LITHE_TRY(lth_contact_detect(ctx, s->body.contact, t - 1, 1, s->u, s->v, &n_active));
-  s->contact_on = n_active > 0;
-  if (s->contact_on) lth_contact_add_rhs(s->body.contact, f);
+  LITHE_TRY(lth_step_detect(ctx, s, t - 1, 1, &n_active));
+  if (n_active > 0) lth_step_contact_rhs(s, f);
   return LITHE_OK;
 }
 
-/// The forces that balance: external ones, those that hold strong cells, and those that hold or stretch
+/// The forces that balance: external ones, those that hold unknowns, and those that hold or stretch
 /// the body elsewhere (2 W / |u| is a lower bound of the inner forces' size).
 static double force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held, double contact) {
   double scale = fmax(fmax(lth_step_norm(ctx, s->n, s->f_ext), held), contact);
   double u = lth_step_norm(ctx, s->n, lth_simulation_displacement(s));
-  if (u > 0) scale = fmax(scale, 2 * fabs(lth_dg_energy(s->body.op, t, s->x)) / u);
+  if (u > 0) scale = fmax(scale, 2 * fabs(lth_system_energy(s->system, t, s->x)) / u);
   return scale;
 }
 
@@ -67,9 +63,9 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   double all = lth_step_norm(ctx, s->n, s->force);
 
   for (LitheCount i = 0; i < s->n; i++) s->rhs[i] += s->force[i];
-  lth_step_zero_strong(s, s->rhs);
+  lth_system_zero_held(s->system, s->rhs);
   q->residual = lth_step_norm(ctx, s->n, s->rhs);
-  double held = s->has_strong ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
+  double held = s->system->has_held ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
   q->scale = force_scale(ctx, s, q->t, held, contact);
   q->floor = ROUNDING * (lth_step_norm(ctx, s->n, s->f0) + contact);
   s->report.residual = q->scale > 0 ? q->residual / q->scale : q->residual;
@@ -84,10 +80,10 @@ static bool is_balanced(const LthSimulation *s, const Search *q) {
 static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, bool plain,
                            double tolerance) {
   memcpy(s->base, s->force, sizeof *s->base * (size_t)s->n);
-  lth_step_combine(ctx, s, q->damping, 1);
+  lth_step_combine(ctx, s, q->damping, 1, 0);
   lth_step_constrain(ctx, s);
   // the matrix of a linear body stays: so does its factor
-  bool same = !s->body.warped && q->damping == 0 && s->report.newton_iterations > 0;
+  bool same = !s->system->warped && q->damping == 0 && s->report.newton_iterations > 0;
   if (!same) LITHE_TRY(lth_step_factor(ctx, s));
   memset(s->solution, 0, sizeof *s->solution * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, tolerance));
@@ -116,7 +112,7 @@ static void adapt_damping(Search *q, double before, double unit) {
 /// no longer halves within a window or the linear solver finds no way on.
 static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
   double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
-  if (s->use_cholesky || !s->body.warped) inner = s->options.tolerance;
+  if (s->use_cholesky || !s->system->warped) inner = s->options.tolerance;
   q->damping = 0;
   *balanced = false;
   lth_anderson_reset(s->anderson);
@@ -125,7 +121,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     LITHE_TRY(evaluate(ctx, s, q));
     if (!isfinite(q->residual)) return LITHE_OK;
     keep_best(s, q);
-    *balanced = is_balanced(s, q) && (it > 0 || !s->has_strong);
+    *balanced = is_balanced(s, q) && (it > 0 || !s->system->has_held);
     if (*balanced || it == s->options.newton_iterations) return LITHE_OK;
     if (plain && it % PLAIN_WINDOW == PLAIN_WINDOW - 1) {
       if (!(q->best < 0.5 * window_start)) return LITHE_OK;
@@ -135,7 +131,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     if (!plain && it > 0) adapt_damping(q, before, unit);
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LitheStatus status = correct(ctx, s, q, plain, inner);
-    if (status == LITHE_NOT_CONVERGED && plain && s->body.warped) return LITHE_OK;
+    if (status == LITHE_NOT_CONVERGED && plain && s->system->warped) return LITHE_OK;
     LITHE_TRY(status);
     s->report.newton_iterations++;
   }
@@ -164,13 +160,13 @@ static void add_work(LthSimulation *s) {
 static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool *balanced) {
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   *balanced = false;
-  if (!s->body.contact) LITHE_TRY(search(ctx, s, q, true, balanced));
-  if (*balanced || (!s->body.warped && !s->body.contact)) return LITHE_OK;
+  if (!s->has_contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  if (*balanced || (!s->system->warped && !s->has_contact)) return LITHE_OK;
   memcpy(s->x, s->start, bytes);
   LITHE_TRY(search(ctx, s, q, false, balanced));
   if (*balanced) return LITHE_OK;
   memcpy(s->x, s->best, bytes);
-  if (!s->body.contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  if (!s->has_contact) LITHE_TRY(search(ctx, s, q, true, balanced));
   if (*balanced) return LITHE_OK;
   memcpy(s->x, s->best, bytes);
   return evaluate(ctx, s, q);
@@ -191,10 +187,7 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
   s->t = t;
   add_work(s);
-  if (s->body.contact) {
-    double force;
-    lth_contact_revise(s->body.contact, s->v); // forces at rest: v is zero
-    lth_contact_report(s->body.contact, &s->report.contacts, &s->report.penetration, &force);
-  }
+  if (s->has_contact) lth_step_contact_revise(s, s->v); // forces at rest: v is zero
+  lth_step_contact_report(s);
   return LITHE_OK;
 }

@@ -14,9 +14,9 @@ double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y) {
 
 LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t) {
   double start = lth_now();
-  lth_dg_update_rotations(s->body.op, s->x);
-  lth_dg_assemble(s->body.op, t, s->A, s->f0);
-  LITHE_TRY(lth_step_external_force(ctx, s, t));
+  lth_system_update_rotations(s->system, s->x);
+  lth_system_assemble(s->system, t, s->A, s->f0);
+  LITHE_TRY(lth_system_external_force(ctx, s->system, t, s->x, s->f_ext));
   lth_block_matrix_apply(s->A, lth_threads(ctx), s->x, s->force);
   for (LitheCount i = 0; i < s->n; i++) s->force[i] = s->f_ext[i] + s->f0[i] - s->force[i];
   s->report.time_assemble += lth_now() - start;
@@ -25,65 +25,39 @@ LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t) {
 
 LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h) {
   (void)ctx;
-  if (!s->has_strong) return LITHE_OK;
+  const LthSystem *system = s->system;
+  if (!system->has_held) return LITHE_OK;
   memcpy(s->scratch, s->x, sizeof *s->x * (size_t)s->n);
-  LITHE_TRY(s->body.prescribe(s->body.prescribe_self, t, s->scratch));
-  for (LitheIndex cell = 0; cell < s->A->n_rows; cell++)
-    for (LitheCount i = lth_cell_first(s, cell); i < lth_cell_first(s, cell + 1); i++)
-      s->driven[i] = lth_is_strong(s, cell) ? (s->scratch[i] - s->x[i]) / h : 0;
+  LITHE_TRY(lth_system_prescribe(system, t, s->scratch));
+  for (LitheCount i = 0; i < s->n; i++)
+    s->driven[i] = system->held[i] ? (s->scratch[i] - s->x[i]) / h : 0;
   return LITHE_OK;
 }
 
-void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck) {
-  LthBlockMatrix *A = s->A;
-#pragma omp parallel for schedule(static)                                                          \
-    num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
-  for (LitheIndex row = 0; row < A->n_rows; row++) {
-    LitheCount first = A->value_off[A->block_off[row]], last = A->value_off[A->block_off[row + 1]];
-    if (ck != 1)
-      for (LitheCount i = first; i < last; i++) A->values[i] *= ck;
-    LitheCount m = A->row_off[row + 1] - A->row_off[row];
-    double *B = A->values + A->value_off[A->diagonal[row]];
-    const double *mass = s->mass + s->body.space->func_off[row];
-    for (LitheCount i = 0; i < m; i++) B[i * m + i] += cm * mass[i / 3];
+void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck, double h) {
+  for (LitheIndex b = 0; b < s->system->n_bodies; b++) {
+    s->cm[b] = cm * (1 + h * s->system->bodies[b].damping_mass);
+    s->ck[b] = ck + h * s->system->bodies[b].damping_stiffness;
   }
+  lth_system_combine(ctx, s->system, s->cm, s->ck, s->A);
 }
 
-void lth_step_zero_strong(const LthSimulation *s, double *y) {
-  for (LitheIndex cell = 0; s->has_strong && cell < s->A->n_rows; cell++)
-    if (lth_is_strong(s, cell))
-      memset(y + lth_cell_first(s, cell), 0,
-             sizeof *y * (size_t)(lth_cell_first(s, cell + 1) - lth_cell_first(s, cell)));
-}
-
-static void constrain_row(LthSimulation *s, LitheIndex row) {
-  LthBlockMatrix *A = s->A;
-  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
-    if (lth_is_strong(s, row) || lth_is_strong(s, A->block_col[e]))
-      memset(A->values + A->value_off[e], 0,
-             sizeof *A->values * (size_t)(A->value_off[e + 1] - A->value_off[e]));
-  if (!lth_is_strong(s, row)) return;
-  LitheCount m = A->row_off[row + 1] - A->row_off[row];
-  double *B = A->values + A->value_off[A->diagonal[row]];
-  for (LitheCount i = 0; i < m; i++) B[i * m + i] = 1;
-}
-
-// Strong cells keep a right-hand side and a guess of zero, so that they weigh nothing in the norms of
+// Held unknowns keep a right-hand side and a guess of zero, so that they weigh nothing in the norms of
 // the solver; their values are put in at the end.
 void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
-  if (!s->has_strong) return;
+  if (!s->system->has_held) return;
   lth_block_matrix_apply(s->A, lth_threads(ctx), s->driven, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) s->base[i] -= s->scratch[i];
-  lth_step_zero_strong(s, s->base);
-  for (LitheIndex row = 0; row < s->A->n_rows; row++) constrain_row(s, row);
+  lth_system_zero_held(s->system, s->base);
+  lth_system_hold(ctx, s->system, s->A);
 }
 
 static void apply_system(const void *self, int threads, const double *x, double *y) {
   const LthSimulation *s = self;
   lth_block_matrix_apply(s->A, threads, x, y);
   if (!s->contact_on) return;
-  lth_contact_apply(s->body.contact, x, y);
-  lth_step_zero_strong(s, y);
+  lth_step_contact_apply(s, x, y);
+  lth_system_zero_held(s->system, y);
 }
 
 /// The factor as a preconditioner; operators cannot fail, so a failure is kept until the solve is over.
@@ -106,22 +80,15 @@ static void apply_factor(const void *self, int threads, const double *x, double 
 static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
   memcpy(s->rhs, s->base, sizeof *s->rhs * (size_t)s->n);
   if (!s->contact_on) return LITHE_OK;
-  lth_contact_add_rhs(s->body.contact, s->rhs);
-  if (s->has_strong) { // rhs -= C driven
+  lth_step_contact_rhs(s, s->rhs);
+  if (s->system->has_held) { // rhs -= C driven
     memset(s->scratch, 0, sizeof *s->scratch * (size_t)s->n);
-    lth_contact_apply(s->body.contact, s->driven, s->scratch);
+    lth_step_contact_apply(s, s->driven, s->scratch);
     for (LitheCount i = 0; i < s->n; i++) s->rhs[i] -= s->scratch[i];
-    lth_step_zero_strong(s, s->rhs);
+    lth_system_zero_held(s->system, s->rhs);
   }
   if (s->use_cholesky) return LITHE_OK;
-  memset(s->extra, 0, sizeof *s->extra * (size_t)s->n_extra);
-  lth_contact_add_diagonal(s->body.contact, s->body.space, s->extra);
-  LitheCount at = 0;
-  for (LitheIndex cell = 0; cell < s->A->n_rows; cell++) {
-    LitheCount m = s->A->row_off[cell + 1] - s->A->row_off[cell];
-    if (lth_is_strong(s, cell)) memset(s->extra + at, 0, sizeof *s->extra * (size_t)(m * m));
-    at += m * m;
-  }
+  lth_step_contact_diagonal(s, s->extra);
   return lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra);
 }
 
@@ -145,13 +112,13 @@ static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
 }
 
 static void add_driven(const LthSimulation *s) {
-  for (LitheCount i = 0; s->has_strong && i < s->n; i++) s->solution[i] += s->driven[i];
+  for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
 }
 
 /// Solve with the contact set as it stands.
 static LitheStatus solve_pass(LitheCtx *ctx, LthSimulation *s, double tolerance, bool *converged) {
   LITHE_TRY(add_contact(ctx, s));
-  lth_step_zero_strong(s, s->solution);
+  lth_system_zero_held(s->system, s->solution);
   LthSolveReport r;
   LITHE_TRY(solve_once(ctx, s, tolerance, &r));
   add_driven(s);
@@ -172,11 +139,10 @@ LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
   bool converged = true;
   s->report.linear_iterations = 0;
   for (int pass = 0; pass < CONTACT_PASSES; pass++) {
-    bool last =
-        pass == CONTACT_PASSES - 1 || !s->body.contact || !s->contact_on || rough == tolerance;
+    bool last = pass == CONTACT_PASSES - 1 || !s->contact_on || rough == tolerance;
     LITHE_TRY(solve_pass(ctx, s, last ? tolerance : rough, &converged));
-    if (!s->body.contact) break;
-    bool changed = lth_contact_revise(s->body.contact, s->solution);
+    if (!s->has_contact) break;
+    bool changed = lth_step_contact_revise(s, s->solution);
     if (!changed && last) break;
     rough = changed ? fmax(tolerance, CONTACT_TOLERANCE) : tolerance;
     s->contact_on |= changed;

@@ -50,9 +50,11 @@ typedef struct LthSystem {
   bool warped;           ///< some body is
   bool has_held;         ///< some unknown is
   uint8_t *held;         ///< (n), NULL where none is
-  double *f_fixed;       ///< gravity and loads that never change [N]              (n)
+  uint8_t *row_held;     ///< some unknown of a block row is, or NULL          (n_rows)
+  double *one;           ///< coefficients of the function 1                   (n / 3)
+  double *f_fixed;       ///< gravity and loads that never change [N]          (n)
   double *scratch;       ///< (n)
-  LthBlockMatrix **part; ///< a body's rows of A: values lent from there        (n_bodies)
+  LthBlockMatrix **part; ///< a body's rows of A, values lent from there       (n_bodies)
 } LthSystem;
 
 LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem **system);
@@ -67,12 +69,12 @@ void lth_system_assemble(LthSystem *system, double t, LthBlockMatrix *A, double 
 void lth_system_assemble_load(LthSystem *system, double t, double *f0);
 double lth_system_energy(LthSystem *system, double t, const double *x);
 
-/// A = cm M + ck A, where both factors grow by Rayleigh damping: cm (1 + da a_b) and ck (1 + ..) are the
-/// stepper's business, so they are given per body.                             (n_bodies each)
+/// A = cm M + ck A with factors of each body (n_bodies each): Rayleigh damping is in them. Blocks between two
+/// bodies take the smaller ck, which keeps A definite.
 void lth_system_combine(LitheCtx *ctx, LthSystem *system, const double *cm, const double *ck,
                         LthBlockMatrix *A);
-void lth_system_apply_mass(LthSystem *system, const double *v, double *y); ///< y = M v
-void lth_system_mass_diagonal(const LthSystem *system, double *mass);      ///< (n)
+void lth_system_apply_mass(const LthSystem *system, const double *v, double *y); ///< y = M v
+void lth_system_mass_diagonal(const LthSystem *system, double *mass);            ///< (n)
 
 /// f = external forces at time t, without contact.
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *system, double t, const double *x,
@@ -82,3 +84,7 @@ LitheStatus lth_system_prescribe(const LthSystem *system, double t, double *x);
 
 /// y = 0 at held unknowns.
 void lth_system_zero_held(const LthSystem *system, double *y);
+
+/// Rows and columns of held unknowns become those of the identity. What they carry to the right-hand side is
+/// the caller's business, before.
+void lth_system_hold(LitheCtx *ctx, const LthSystem *system, LthBlockMatrix *A);

@@ -16,7 +16,7 @@ typedef struct StrongCell {
 struct LthDgStrong {
   const LthDgSpace *space;
   LthStrongMotion *motions;
-  uint8_t *is_strong; ///< (n_cells)
+  uint8_t *held; ///< (n_dofs)
   StrongCell *cells;
   LitheIndex n;
 };
@@ -28,13 +28,13 @@ void lth_dg_strong_destroy(LitheCtx *ctx, LthDgStrong **strong) {
     lth_free(ctx, (*strong)->cells[i].test);
   }
   lth_free(ctx, (*strong)->cells);
-  lth_free(ctx, (*strong)->is_strong);
+  lth_free(ctx, (*strong)->held);
   lth_free(ctx, (*strong)->motions);
   lth_free(ctx, *strong);
   *strong = NULL;
 }
 
-const uint8_t *lth_dg_strong_cells(const LthDgStrong *strong) { return strong->is_strong; }
+const uint8_t *lth_dg_strong_held(const LthDgStrong *strong) { return strong->held; }
 
 static void place_at(const LthStrongMotion *motion, const double x[3], double t, double place[3]) {
   for (int a = 0; a < 3; a++)
@@ -91,12 +91,13 @@ done:
 static LitheStatus prepare_all(LitheCtx *ctx, const LitheIndex *motion_of, LthDgStrong *strong) {
   LitheIndex n = 0, n_cells = strong->space->n_cells;
   for (LitheIndex c = 0; c < n_cells; c++) n += motion_of[c] >= 0;
-  LTH_NEW(ctx, strong->is_strong, n_cells);
+  LTH_NEW(ctx, strong->held, strong->space->n_dofs);
   LTH_NEW(ctx, strong->cells, n);
   for (LitheIndex c = 0; c < n_cells; c++) {
     if (motion_of[c] < 0) continue;
     StrongCell *cell = strong->cells + strong->n++;
-    strong->is_strong[c] = 1;
+    memset(strong->held + 3 * (LitheCount)strong->space->func_off[c], 1,
+           3 * (size_t)lth_dg_funcs(strong->space, c));
     cell->cell = c;
     cell->motion = motion_of[c];
     LITHE_TRY(prepare_cell(ctx, strong->space, cell));

@@ -19,11 +19,11 @@ LitheStatus lth_dg_strong_create(LitheCtx *ctx, const LthDgSpace *space,
                                  const LthStrongMotion *motions, LthDgStrong **strong);
 void lth_dg_strong_destroy(LitheCtx *ctx, LthDgStrong **strong);
 
-/// 1 for every element that moves as prescribed, lent (n_cells).
-const uint8_t *lth_dg_strong_cells(const LthDgStrong *strong);
+/// 1 for every unknown that moves as prescribed, lent (n_dofs).
+const uint8_t *lth_dg_strong_held(const LthDgStrong *strong);
 
 /// Set x (n_dofs) in these elements to the L2 projection of their places at time t; others are left as
-/// they are. `strong` is an LthDgStrong: fits LthBodyDef.prescribe. Always LITHE_OK.
+/// they are. `strong` is an LthDgStrong: fits LthSystemBody.prescribe. Always LITHE_OK.
 LitheStatus lth_dg_strong_prescribe(const void *strong, double t, double *x);
 
 /// Forces that constraints put on their elements at rest or in even motion, from the imbalance (n_dofs) [N]

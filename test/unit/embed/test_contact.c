@@ -247,7 +247,7 @@ static void operator_is_symmetric_and_its_bound_dominates_it(void **state) {
   for (LitheCount i = 0; i < n * n; i++) largest = fmax(largest, fabs(C[i]));
   for (LitheCount i = 0; i < n; i++)
     for (LitheCount j = 0; j < n; j++) CHECK_NEAR(C[i * n + j], C[j * n + i], 1e-14 * largest);
-  lth_contact_add_diagonal(f->contact, f->space, extra);
+  lth_contact_add_diagonal(f->contact, extra);
   uint64_t seed = 2;
   for (int trial = 0; trial < 200; trial++) {
     double energy = 0, bound = 0;

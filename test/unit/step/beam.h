@@ -4,7 +4,10 @@
 #include "check.h"
 
 #include "base/tensor.h"
+#include "disc/dg/dg_disc.h"
+#include "disc/dg/dg_load.h"
 #include "step/simulation.h"
+#include "system/free_motion.h"
 
 #include <string.h>
 
@@ -33,7 +36,10 @@ typedef struct Beam {
   LthDgOperator *op;
   LthPatches *clamp, *pulled;
   double *young, *poisson, *density, *rest;
-  uint8_t *strong;
+  uint8_t *strong; // per cell
+  uint8_t *held;   // per unknown, of strong cells
+  LthDisc *disc;
+  LthSystem *system;
   LthSimulation *sim;
   double Q[9], offset[3]; // rest place of the box point p: Q p + offset
   double speed;           // of the strong layer along x
@@ -134,18 +140,28 @@ static inline void fill_defaults(BeamDef *def) {
   if (def->options.tolerance == 0) def->options = lth_step_options_default();
 }
 
-static inline LthBodyDef beam_body(const Beam *b, const BeamDef *def) {
-  LthBodyDef body = {.space = b->space,
-                     .op = b->op,
-                     .density = b->density,
-                     .damping_mass = def->damping_mass,
-                     .damping_stiffness = def->damping_stiffness,
-                     .strong = b->strong,
-                     .prescribe = b->strong ? move_layer : NULL,
-                     .prescribe_self = b,
-                     .warped = !def->linear};
-  lth_m3_apply(b->Q, def->gravity, body.gravity);
-  return body;
+/// The beam as the only body of a system, perhaps in contact.
+static inline LthSystem *beam_system(const Beam *b, const BeamDef *def, LthContact *contact) {
+  LthSystem *system = NULL;
+  LthSystemBody body = {.disc = b->disc,
+                        .damping_mass = def->damping_mass,
+                        .damping_stiffness = def->damping_stiffness,
+                        .held = b->held,
+                        .prescribe = b->held ? move_layer : NULL,
+                        .prescribe_self = b,
+                        .contact = contact,
+                        .warped = !def->linear};
+  LthSystemDef d = {.bodies = &body, .n_bodies = 1};
+  lth_m3_apply(b->Q, def->gravity, d.gravity);
+  CHECK_OK(b->ctx, lth_system_create(b->ctx, &d, &system));
+  return system;
+}
+
+static inline LthDisc *beam_disc(const Beam *b, LthDgOperator *op) {
+  LthDisc *disc = NULL;
+  LthDgDiscDef d = {.space = b->space, .op = op, .density = b->density};
+  CHECK_OK(b->ctx, lth_dg_disc_create(b->ctx, &d, &disc));
+  return disc;
 }
 
 static inline void beam_build_operator(Beam *b, const BeamDef *def) {
@@ -193,20 +209,27 @@ static inline void beam_create(Beam *b, BeamDef def) {
     b->strong = calloc((size_t)n, 1);
     for (LitheIndex i = 0; i < b->clamp->n; i++)
       b->strong[b->mesh->face_cell[2 * b->clamp->face[i]]] = 1;
+    b->held = calloc((size_t)b->space->n_dofs, 1);
+    for (LitheIndex c = 0; c < n; c++)
+      memset(b->held + 3 * b->space->func_off[c], b->strong[c],
+             3 * (size_t)lth_dg_funcs(b->space, c));
   }
   beam_build_operator(b, &def);
-  LthBodyDef body = beam_body(b, &def);
-  CHECK_OK(b->ctx, lth_simulation_create(b->ctx, &body, &def.options, &b->sim));
+  b->disc = beam_disc(b, b->op);
+  b->system = beam_system(b, &def, NULL);
+  CHECK_OK(b->ctx, lth_simulation_create(b->ctx, b->system, &def.options, &b->sim));
 }
 
 static inline void beam_destroy(Beam *b) {
   lth_simulation_destroy(b->ctx, &b->sim);
+  lth_system_destroy(b->ctx, &b->system);
+  lth_disc_destroy(b->ctx, &b->disc);
   lth_dg_operator_destroy(b->ctx, &b->op);
   lth_patches_destroy(b->ctx, &b->clamp);
   lth_patches_destroy(b->ctx, &b->pulled);
   lth_dg_space_destroy(b->ctx, &b->space);
   lth_mesh_destroy(b->ctx, &b->mesh);
-  free(b->young), free(b->poisson), free(b->density), free(b->rest), free(b->strong);
+  free(b->young), free(b->poisson), free(b->density), free(b->rest), free(b->strong), free(b->held);
   assert_int_equal(lth_alloc_bytes(b->ctx), 0);
   lithe_ctx_destroy(&b->ctx);
 }

@@ -8,6 +8,7 @@ typedef struct Floor {
   LthEmbedding *points;
   LthContact *contact;
   LthCollider plane;
+  LthSystem *system;
   LthSimulation *sim;
 } Floor;
 
@@ -39,13 +40,13 @@ static void floor_create(Floor *f, double height, double friction, bool clamp) {
                        .body_size = 1,
                        .body_weight = 10};
   CHECK_OK(b->ctx, lth_contact_create(b->ctx, &def, &f->contact));
-  LthBodyDef body = beam_body(b, &(BeamDef){.gravity = {0, 0, -10}, .damping_mass = 1});
-  body.contact = f->contact;
-  CHECK_OK(b->ctx, lth_simulation_create(b->ctx, &body, &options, &f->sim));
+  f->system = beam_system(b, &(BeamDef){.gravity = {0, 0, -10}, .damping_mass = 1}, f->contact);
+  CHECK_OK(b->ctx, lth_simulation_create(b->ctx, f->system, &options, &f->sim));
 }
 
 static void floor_destroy(Floor *f) {
   lth_simulation_destroy(f->beam.ctx, &f->sim);
+  lth_system_destroy(f->beam.ctx, &f->system);
   lth_contact_destroy(f->beam.ctx, &f->contact);
   lth_embedding_destroy(f->beam.ctx, &f->points);
   beam_destroy(&f->beam);

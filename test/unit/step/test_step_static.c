@@ -1,8 +1,6 @@
 /// Equilibria: linear and corotated, small and large, held and free.
 #include "beam.h"
 
-#include "step/free_motion.h"
-
 static LthStepReport balance(Beam *b, double t) {
   CHECK_OK(b->ctx, lth_simulation_equilibrium(b->ctx, b->sim, t));
   lth_simulation_measure(b->ctx, b->sim);
@@ -193,7 +191,7 @@ static void free_motions_are_named(void **state) {
   LthFreeMotions m;
   Beam b;
   beam_create(&b, (BeamDef){0});
-  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.op, b.space, NULL, &m));
+  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.system, &m));
   assert_int_equal(m.count, 6);
   assert_int_equal(m.n_components, 1);
   assert_non_null(strstr(m.text, "translation along z"));
@@ -201,15 +199,15 @@ static void free_motions_are_named(void **state) {
   beam_destroy(&b);
 
   beam_create(&b, (BeamDef){.clamp_weak = true});
-  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.op, b.space, NULL, &m));
+  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.system, &m));
   assert_int_equal(m.count, 0);
   assert_int_equal(m.n_free, 0);
-  assert_int_equal(m.first, -1);
+  assert_int_equal(m.body, -1);
   assert_string_equal(m.text, "");
   beam_destroy(&b);
 
   beam_create(&b, (BeamDef){.clamp_strong = true});
-  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.op, b.space, b.strong, &m));
+  CHECK_OK(b.ctx, lth_free_motions(b.ctx, b.system, &m));
   assert_int_equal(m.n_free, 0);
   beam_destroy(&b);
 }
@@ -222,7 +220,14 @@ static LthFreeMotions motions_with(Beam *b, LthWeakConstraint weak) {
   LthDgOperatorDef def = {
       .space = b->space, .young = b->young, .poisson = b->poisson, .weak = &weak, .n_weak = 1};
   CHECK_OK(b->ctx, lth_dg_operator_create(b->ctx, &def, &op));
-  CHECK_OK(b->ctx, lth_free_motions(b->ctx, op, b->space, NULL, &m));
+  LthSystem *system = NULL;
+  LthDisc *disc = beam_disc(b, op);
+  LthSystemBody body = {.disc = disc};
+  LthSystemDef d = {.bodies = &body, .n_bodies = 1};
+  CHECK_OK(b->ctx, lth_system_create(b->ctx, &d, &system));
+  CHECK_OK(b->ctx, lth_free_motions(b->ctx, system, &m));
+  lth_system_destroy(b->ctx, &system);
+  lth_disc_destroy(b->ctx, &disc);
   lth_dg_operator_destroy(b->ctx, &op);
   return m;
 }

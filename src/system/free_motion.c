@@ -1,5 +1,5 @@
 /// Rigid motions that no constraint resists: the null space of K on the six of every connected part.
-#include "step/free_motion.h"
+#include "system/free_motion.h"
 
 #include "base/disjoint_sets.h"
 #include "base/eigen.h"
@@ -12,67 +12,86 @@
 #define NOTHING 1e-16 // squared force of a unit motion over squared stiffness: rounding gives 1e-28
 #define SAME 1e-3     // how exactly an axis must fit to be called x, y or z
 
-/// One connected part of the body.
+/// One connected part of the bodies.
 typedef struct Part {
   double center[3], size; // [m]
   double gram[36];        // sum over its unknowns of (K r_a)(K r_b) / stiffness^2
-  bool held;
-  LitheIndex first; // cell
-  LitheIndex count;
+  double weight;          // of the points in `center`
+  LitheIndex first;       // block row
   LitheCount rows;
 } Part;
 
-/// Number of connected parts; part_of[c] is the part of cell c. Cells couple through inner faces.
-static LitheIndex find_parts(const LthMesh *mesh, LitheIndex *part_of) {
-  lth_sets_reset(part_of, mesh->n_cells);
-  for (LitheIndex f = 0; f < mesh->n_faces; f++) {
-    if (mesh->face_cell[2 * f + 1] < 0) continue;
-    lth_sets_unite(part_of, mesh->face_cell[2 * f], mesh->face_cell[2 * f + 1]);
-  }
-  // the root of a part is its lowest cell: number parts as their roots come
+/// Number of connected parts; part_of[row] is the part of a block row. Rows couple through blocks.
+static LitheIndex find_parts(const LthBlockMatrix *K, LitheIndex *part_of) {
+  lth_sets_reset(part_of, K->n_rows);
+  for (LitheIndex row = 0; row < K->n_rows; row++)
+    for (LitheCount e = K->block_off[row]; e < K->block_off[row + 1]; e++)
+      lth_sets_unite(part_of, row, K->block_col[e]);
+  // the root of a part is its lowest row: number parts as their roots come
   LitheIndex n = 0;
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = lth_sets_root(part_of, c);
-  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+  for (LitheIndex c = 0; c < K->n_rows; c++) part_of[c] = lth_sets_root(part_of, c);
+  for (LitheIndex c = 0; c < K->n_rows; c++)
     part_of[c] = part_of[c] == c ? -1 - n++ : part_of[part_of[c]];
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) part_of[c] = -1 - part_of[c];
+  for (LitheIndex c = 0; c < K->n_rows; c++) part_of[c] = -1 - part_of[c];
   return n;
 }
 
-static void measure_parts(const LthMesh *mesh, const LitheIndex *part_of, const uint8_t *strong,
-                          LitheIndex n, Part *parts) {
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
-    Part *p = &parts[part_of[c]];
-    if (p->count++ == 0) p->first = c;
-    lth_v3_add(p->center, mesh->cell_centroid + 3 * (size_t)c, p->center);
-    p->held |= strong && strong[c];
+/// Place of function i less its share of the part's centre: what turns with the part.
+static void arm(const LthSystem *s, const Part *p, const double *rest, LitheCount i, double x[3]) {
+  for (int a = 0; a < 3; a++) x[a] = rest[3 * i + a] - s->one[i] * p->center[a];
+}
+
+static void measure_parts(const LthSystem *s, const LthBlockMatrix *K, const LitheIndex *part_of,
+                          const double *rest, LitheIndex n, Part *parts) {
+  for (LitheIndex i = 0; i < n; i++) parts[i].first = -1;
+  for (LitheIndex row = 0; row < K->n_rows; row++) {
+    Part *p = &parts[part_of[row]];
+    if (p->first < 0) p->first = row;
+    p->rows += K->row_off[row + 1] - K->row_off[row];
+    for (LitheCount i = K->row_off[row] / 3; i < K->row_off[row + 1] / 3; i++) {
+      lth_v3_axpy(s->one[i], rest + 3 * i, p->center);
+      p->weight += s->one[i] * s->one[i];
+    }
   }
-  for (LitheIndex i = 0; i < n; i++) lth_v3_scale(1 / (double)parts[i].count, parts[i].center);
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
-    Part *p = &parts[part_of[c]];
-    const double *box = mesh->cell_box + 6 * (size_t)c;
-    for (int a = 0; a < 3; a++)
-      p->size = fmax(p->size, fmax(box[3 + a] - p->center[a], p->center[a] - box[a]));
+  for (LitheIndex i = 0; i < n; i++) lth_v3_scale(1 / parts[i].weight, parts[i].center);
+  for (LitheIndex row = 0; row < K->n_rows; row++) {
+    Part *p = &parts[part_of[row]];
+    for (LitheCount i = K->row_off[row] / 3; i < K->row_off[row + 1] / 3; i++) {
+      double x[3];
+      arm(s, p, rest, i, x);
+      p->size = fmax(p->size, lth_v3_norm(x));
+    }
   }
 }
 
 /// Coefficients of motion 0-2 (translations) or 3-5 (rotations, of size one at the part's rim), from
 /// those of the rest positions: both are linear in the place.
-static void rigid_motion(const LthDgSpace *space, const LitheIndex *part_of, const Part *parts,
-                         int mode, const double *rest, double *r) {
-  for (LitheIndex c = 0; c < space->n_cells; c++) {
-    const Part *p = &parts[part_of[c]];
-    for (LitheIndex i = space->func_off[c]; i < space->func_off[c + 1]; i++) {
-      double constant = i == space->func_off[c], x[3], *v = r + 3 * (LitheCount)i;
-      for (int a = 0; a < 3; a++) x[a] = rest[3 * (LitheCount)i + a] - constant * p->center[a];
+static void rigid_motion(const LthSystem *s, const LthBlockMatrix *K, const LitheIndex *part_of,
+                         const Part *parts, int mode, const double *rest, double *r) {
+  for (LitheIndex row = 0; row < K->n_rows; row++) {
+    const Part *p = &parts[part_of[row]];
+    for (LitheCount i = K->row_off[row] / 3; i < K->row_off[row + 1] / 3; i++) {
+      double x[3], *v = r + 3 * i;
+      arm(s, p, rest, i, x);
       memset(v, 0, 3 * sizeof *v);
       if (mode < 3) {
-        v[mode] = constant;
+        v[mode] = s->one[i];
       } else {
         int b = (mode - 3 + 1) % 3, d = (mode - 3 + 2) % 3;
         v[b] = -x[d] / p->size;
         v[d] = x[b] / p->size;
       }
     }
+  }
+}
+
+/// What resists a motion at unknown i: the force on it, or where the unknown is held the motion itself.
+static void resist(const LthSystem *s, LitheCount n, const double *motion, double *force,
+                   double *stiffness) {
+  for (LitheCount i = 0; s->has_held && i < n; i++) {
+    if (!s->held[i]) continue;
+    force[i] = motion[i];
+    stiffness[i] = 1;
   }
 }
 
@@ -179,49 +198,47 @@ static int name_free_motions(const Part *p, char text[LTH_FREE_MOTION_TEXT]) {
   return count;
 }
 
-static void summarize(Part *parts, LitheIndex n, LthFreeMotions *result) {
-  *result = (LthFreeMotions){.n_components = n, .first = -1};
+static void summarize(const LthSystem *s, const LthBlockMatrix *K, const double *rest, Part *parts,
+                      LitheIndex n, LthFreeMotions *result) {
+  *result = (LthFreeMotions){.n_components = n, .body = -1};
   for (LitheIndex i = 0; i < n; i++) {
     char text[LTH_FREE_MOTION_TEXT] = "";
-    if (parts[i].held) continue;
     int count = name_free_motions(&parts[i], text);
-    if (count == 0) continue;
-    if (result->n_free++ > 0) continue;
-    result->first = parts[i].first;
+    if (count == 0 || result->n_free++ > 0) continue;
+    result->body = s->row_body[parts[i].first];
+    lth_v3_copy(rest + K->row_off[parts[i].first], result->at);
     result->count = count;
     memcpy(result->text, text, sizeof text);
   }
 }
 
-LitheStatus lth_free_motions(LitheCtx *ctx, LthDgOperator *op, const LthDgSpace *space,
-                             const uint8_t *strong, LthFreeMotions *result) {
+LitheStatus lth_free_motions(LitheCtx *ctx, LthSystem *s, LthFreeMotions *result) {
   LitheStatus status = LITHE_OK;
   LthBlockMatrix *K = NULL;
   LitheIndex *part_of = NULL;
   Part *parts = NULL;
   double *rest = NULL, *motion = NULL, *stiffness = NULL, *force[6] = {0};
-  LTH_NEW_OR(done, ctx, part_of, space->n_cells);
-  LitheIndex n = find_parts(space->mesh, part_of);
+  LITHE_TRY_OR(done, lth_system_matrix_create(ctx, s, &K));
+  LTH_NEW_OR(done, ctx, part_of, K->n_rows);
+  LTH_NEW_OR(done, ctx, rest, s->n);
+  LTH_NEW_OR(done, ctx, motion, s->n);
+  LTH_NEW_OR(done, ctx, stiffness, s->n);
+  for (int a = 0; a < 6; a++) LTH_NEW_OR(done, ctx, force[a], s->n);
+  LitheIndex n = find_parts(K, part_of);
   LTH_NEW_OR(done, ctx, parts, n);
-  measure_parts(space->mesh, part_of, strong, n, parts);
-  LTH_NEW_OR(done, ctx, rest, space->n_dofs);
-  LTH_NEW_OR(done, ctx, motion, space->n_dofs);
-  LTH_NEW_OR(done, ctx, stiffness, space->n_dofs);
-  for (int a = 0; a < 6; a++) LTH_NEW_OR(done, ctx, force[a], space->n_dofs);
+  lth_system_rest(s, rest);
+  measure_parts(s, K, part_of, rest, n, parts);
 
-  LITHE_TRY_OR(done, lth_dg_matrix_create(ctx, op, &K));
-  lth_dg_reset_rotations(op);
-  lth_dg_assemble(op, 0, K, motion);
-  lth_dg_rest(space, rest);
+  lth_system_update_rotations(s, NULL);
+  lth_system_assemble(s, 0, K, motion);
   row_stiffness(K, stiffness);
   for (int a = 0; a < 6; a++) {
-    rigid_motion(space, part_of, parts, a, rest, motion);
+    rigid_motion(s, K, part_of, parts, a, rest, motion);
     lth_block_matrix_apply(K, lth_threads(ctx), motion, force[a]);
+    resist(s, s->n, motion, force[a], stiffness);
   }
-  for (LitheIndex c = 0; c < space->n_cells; c++)
-    parts[part_of[c]].rows += K->row_off[c + 1] - K->row_off[c];
   add_gram(K, part_of, stiffness, force, parts);
-  summarize(parts, n, result);
+  summarize(s, K, rest, parts, n, result);
 done:
   lth_block_matrix_destroy(ctx, &K);
   lth_free(ctx, part_of);
