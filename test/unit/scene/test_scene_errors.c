@@ -109,11 +109,6 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("output.checkpoint=1",
                         "--set output.checkpoint=1: output.checkpoint: " UNBUILT
                         "\"1\"; leave it out");
-  EXPECT_ERRORS(SMALL_SCENE "  - name: other\n"
-                            "    shape: {sphere: {center: [0, 0, 0], radius: 1}}\n"
-                            "    material: {young_modulus: 1, poisson_ratio: 0}\n"
-                            "    method: {cells: 2}\n",
-                "s.yaml:3:3: bodies: " UNBUILT "a list of 2; available: 1");
 }
 
 static void takes_empty_keys_that_ask_for_nothing(void **state) {
