@@ -83,10 +83,22 @@ static inline bool test_facing_down_z(const double c[3], const double n[3]) {
 
 typedef enum TestMesh { TEST_HEXAHEDRA, TEST_TETRAHEDRA } TestMesh;
 
+/// Degree MIXED: element c has degree 1 + 7 c mod 4, so that neighbours differ; MIXED + 1: at least 2.
+enum { MIXED = 5 };
+static inline LthDgSpace *test_space(LitheCtx *ctx, const LthMesh *mesh, int degree) {
+  LthDgSpace *space = NULL;
+  uint8_t *mixed = lth_alloc(ctx, mesh->n_cells, sizeof *mixed);
+  int lowest = degree < MIXED ? degree : degree - MIXED + 1;
+  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+    mixed[c] = (uint8_t)(degree < MIXED ? degree : lowest + 7 * c % (5 - lowest));
+  CHECK_OK(ctx, lth_dg_space_create(ctx, mesh, lowest, degree < MIXED ? NULL : mixed, &space));
+  lth_free(ctx, mixed);
+  return space;
+}
+
 /// A body on a mesh, which it takes over: E = 1000, nu = 0.3, IP, penalty auto, not warped.
 static inline TestBody test_body_of(LitheCtx *ctx, LthMesh *mesh, int degree) {
-  TestBody b = {.ctx = ctx, .mesh = mesh};
-  CHECK_OK(b.ctx, lth_dg_space_create(b.ctx, b.mesh, degree, NULL, &b.space));
+  TestBody b = {.ctx = ctx, .mesh = mesh, .space = test_space(ctx, mesh, degree)};
   LitheCount n = b.space->n_dofs;
   double **vectors[] = {&b.x0, &b.x, &b.f0, &b.f, &b.r};
   for (int i = 0; i < 5; i++) *vectors[i] = lth_alloc(b.ctx, n, sizeof(double));

@@ -35,6 +35,16 @@ INLINE void add_mass(int nu, int nv, const double *restrict mass, const double f
     }
 }
 
+/// block[i][a][b][j] += part_ab low_ij
+INLINE void add_low(int nu, int nv, const double *restrict low, const double part[9],
+                    double *restrict block) {
+  for (int i = 0; i < nu; i++)
+    for (int ab = 0; ab < 9; ab++) {
+      double p = part[ab], *row = block + (i * 9 + ab) * nv;
+      for (int j = 0; j < nv; j++) row[j] += p * low[i * nv + j];
+    }
+}
+
 /// One side's flux on the block of owner rows and neighbour columns; n = R_s n, g' = R_s g_ij:
 ///   side -: += lambda n_a g'_b + mu (g'_a n_b + delta_ab n.g'), and its transpose for side +.
 /// lambda and mu carry the factor -1/2.
@@ -68,17 +78,26 @@ INLINE void interleave(int rows, int nv, double *restrict block) {
   }
 }
 
+/// Penalty matrices of a face with the rotations as they stand.
+typedef struct FacePenalty {
+  double full[9], low[2][9], n[2][3];
+} FacePenalty;
+
 /// What one face adds to a block of owner rows and neighbour columns.
 typedef struct PairTerms {
-  const double *mixed, *low, *slope[2], *R[2];
-  double full[9], part[9], n[2][3], lambda[2], mu[2];
+  const double *mixed, *low[2], *slope[2], *R[2];
+  int n_low;
+  FacePenalty penalty;
+  double lambda[2], mu[2];
 } PairTerms;
 
 INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *block) {
-  add_mass(nu, nv, t->mixed, t->full, t->low, t->part, block);
+  const FacePenalty *p = &t->penalty;
+  add_mass(nu, nv, t->mixed, p->full, t->low[0], p->low[0], block);
+  if (t->n_low > 1) add_low(nu, nv, t->low[1], p->low[1], block);
   if (!flux) return;
-  add_flux(nu, nv, t->slope[1], t->R[1], t->n[1], t->lambda[1], t->mu[1], 0, block);
-  add_flux(nu, nv, t->slope[0], t->R[0], t->n[0], t->lambda[0], t->mu[0], 1, block);
+  add_flux(nu, nv, t->slope[1], t->R[1], p->n[1], t->lambda[1], t->mu[1], 0, block);
+  add_flux(nu, nv, t->slope[0], t->R[0], p->n[0], t->lambda[0], t->mu[0], 1, block);
 }
 
 // clang-format off: it takes the macros for declarations
@@ -117,6 +136,13 @@ LTH_DG_CLONES static void add_mass_sized(int nb, const double *mass, const doubl
 }
 
 LTH_DG_CLONES
+    static void add_low_sized(int nb, const double *low, const double part[9], double *block){
+#define CALL(n) add_low(n, n, low, part, block)
+        BY_SIZE(nb, CALL)
+#undef CALL
+    }
+
+LTH_DG_CLONES
     static void pair_rows_sized(int nu, int nv, int flux, const PairTerms *t, double *block){
 #define CALL(n) pair_rows(nu, n, flux, t, block)
         BY_SIZE(nv, CALL)
@@ -130,14 +156,15 @@ LTH_DG_CLONES static void interleave_sized(int rows, int nv, double *block) {
 }
 // clang-format on
 
-/// Penalty matrices of a face with the rotations as they stand.
-static void face_penalty(const LthDgOperator *op, const LthDgFace *face, double full[9],
-                         double part[9], double n[2][3]) {
+static FacePenalty face_penalty(const LthDgOperator *op, const LthDgFace *face, int n_low) {
+  FacePenalty f;
   for (int s = 0; s < 2; s++)
-    lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, n[s]);
+    lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, f.n[s]);
   const LthDgPenalty *p = &face->penalty;
-  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], full);
-  lth_dg_penalty_matrix(p->low_iso, p->low_normal, n[0], n[1], part);
+  lth_dg_penalty_matrix(p->full_iso, p->full_normal, f.n[0], f.n[1], f.full);
+  for (int q = 0; q < n_low; q++)
+    lth_dg_penalty_matrix(p->low_iso[q], p->low_normal[q], f.n[0], f.n[1], f.low[q]);
+  return f;
 }
 
 /// block_ij += P R B_ij R^T + (P R B_ji R^T)^T + P R Q_ij R^T P of a hold that leaves components free.
@@ -181,7 +208,7 @@ static void add_roller(const LthDgOperator *op, const LthDgHold *hold, double *b
   double cosine = lth_v3_dot(n, turned);
   const LthDgPenalty *p = &group->penalty;
   double full = p->full_iso + p->full_normal[0] * cosine * cosine;
-  double mean = (p->low_iso + p->low_normal[0] * cosine * cosine) / group->area;
+  double mean = (p->low_iso[0] + p->low_normal[0][0] * cosine * cosine) / group->area;
 
   for (int i = 0; i < nb; i++)
     for (int j = 0; j < nb; j++) {
@@ -206,11 +233,11 @@ static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *
                     block);
   for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
     const LthDgFace *face = &op->faces[op->sides[s].face];
-    double full[9], part[9], n[2][3];
-    face_penalty(op, face, full, part, n);
     LthDgFaceTables tables = lth_dg_face_tables(op, face);
+    FacePenalty p = face_penalty(op, face, tables.n_low);
     int side = op->sides[s].side;
-    add_mass_sized(nb, tables.mass[side], full, tables.low[side], part, block);
+    add_mass_sized(nb, tables.full.mass[side], p.full, tables.low[0].mass[side], p.low[0], block);
+    if (tables.n_low > 1) add_low_sized(nb, tables.low[1].mass[side], p.low[1], block);
   }
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
     if (op->holds[h].roller)
@@ -223,13 +250,15 @@ static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *
 static void add_face_to_pair(const LthDgOperator *op, const LthDgFace *face, double *block) {
   int nu = lth_dg_funcs(op->space, face->cell[0]), nv = lth_dg_funcs(op->space, face->cell[1]);
   LthDgFaceTables tables = lth_dg_face_tables(op, face);
-  PairTerms t = {.mixed = tables.mixed, .low = tables.low_mixed};
-  face_penalty(op, face, t.full, t.part, t.n);
+  PairTerms t = {.mixed = tables.full.mixed,
+                 .low = {tables.low[0].mixed, tables.low[1].mixed},
+                 .n_low = tables.n_low,
+                 .penalty = face_penalty(op, face, tables.n_low)};
   for (int s = 0; s < 2; s++) {
     t.slope[s] = tables.slope[s];
     t.R[s] = op->rotation + 9 * (LitheCount)face->cell[s];
-    t.lambda[s] = -0.5 * op->lambda[face->cell[s]];
-    t.mu[s] = -0.5 * op->mu[face->cell[s]];
+    t.lambda[s] = -face->weight[s] * op->lambda[face->cell[s]];
+    t.mu[s] = -face->weight[s] * op->mu[face->cell[s]];
   }
   pair_rows_sized(nu, nv, op->flux == LTH_FLUX_IP, &t, block);
 }
@@ -265,7 +294,7 @@ void lth_dg_assemble(LthDgOperator *op, double t, LthBlockMatrix *K, double *f0)
   lth_dg_assemble_load(op, t, f0);
 }
 
-/// f0_i = R_K load_i - 1/2 sum_f kappa_L R_L n int phi_i  + constraints: what the reference shape holds.
+/// f0_i = R_K load_i - sum_f w_L kappa_L R_L n int phi_i  + constraints: what the reference shape holds.
 static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double *f0) {
   int nb = lth_dg_funcs(op->space, cell);
   const double *R = op->rotation + 9 * (LitheCount)cell;
@@ -278,9 +307,9 @@ static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double
       LitheIndex other = face->cell[1 - side];
       double kappa = 3 * op->lambda[other] + 2 * op->mu[other], n[3];
       lth_m3_apply(op->rotation + 9 * (LitheCount)other, face->normal, n);
-      const double *mean = lth_dg_face_tables(op, face).mass[side];
-      for (int i = 0; i < nb; i++)
-        lth_v3_axpy((side == 0 ? -0.5 : 0.5) * kappa * mean[i], n, f0 + 3 * i);
+      const double *mean = lth_dg_face_tables(op, face).full.mass[side];
+      double factor = (side == 0 ? -kappa : kappa) * face->weight[1 - side];
+      for (int i = 0; i < nb; i++) lth_v3_axpy(factor * mean[i], n, f0 + 3 * i);
     }
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
     lth_dg_hold_load(op, &op->holds[h], t, f0);

@@ -349,7 +349,7 @@ static void add_group_load(const LthDgOperator *op, const LthDgHold *hold, const
     double mean = mass[i] / group->area;
     if (ip) add_projected(hold, R, -kappa * mass[i], 0, n, n, f0 + 3 * i);
     add_projected(hold, R, p->full_iso, p->full_normal[0], n, y + 3 * i, f0 + 3 * i);
-    add_projected(hold, R, mean * p->low_iso, mean * p->low_normal[0], n, y, f0 + 3 * i);
+    add_projected(hold, R, mean * p->low_iso[0], mean * p->low_normal[0][0], n, y, f0 + 3 * i);
   }
 }
 

@@ -95,9 +95,10 @@ static void own_flux(LthDgOperator *op, LitheIndex cell, double *flux, double *l
     int side = op->sides[s].side;
     double sign = side == 0 ? 1 : -1;
     double n[3] = {sign * face->normal[0], sign * face->normal[1], sign * face->normal[2]};
-    const double *mass = lth_dg_face_tables(op, face).mass[side];
-    lth_dg_add_own_flux(op, cell, 0.5, n, mass, flux);
-    for (int i = 0; i < nb; i++) lth_v3_axpy(-0.5 * kappa * mass[i], n, load + 3 * i);
+    const double *mass = lth_dg_face_tables(op, face).full.mass[side];
+    double weight = face->weight[side];
+    lth_dg_add_own_flux(op, cell, weight, n, mass, flux);
+    for (int i = 0; i < nb; i++) lth_v3_axpy(-weight * kappa * mass[i], n, load + 3 * i);
   }
 }
 
@@ -113,7 +114,7 @@ static void hold_matrices(const LthDgOperator *op, const LthDgHold *hold, double
     double full[9], mean[9];
     const LthDgPenalty *p = &group->penalty;
     lth_dg_penalty_matrix(p->full_iso, p->full_normal, group->normal, zero, full);
-    lth_dg_penalty_matrix(p->low_iso, p->low_normal, group->normal, zero, mean);
+    lth_dg_penalty_matrix(p->low_iso[0], p->low_normal[0], group->normal, zero, mean);
     for (int i = 0; i < nb; i++)
       for (int ab = 0; ab < 9; ab++)
         for (int j = 0; j < nb; j++)

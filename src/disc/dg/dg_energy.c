@@ -53,13 +53,13 @@ static double flux_energy(const LthDgOperator *op, LitheIndex cell, double w, co
 }
 
 /// jump[s] = int [u] phi^s from masses of traces; `mixed` carries a minus sign.
-static void jump_moments(const int nb[2], double *const mass[2], const double *mixed,
-                         double u[2][3 * LTH_DG_MAX_FUNCS], double jump[2][3 * LTH_DG_MAX_FUNCS]) {
+static void jump_moments(const int nb[2], const LthDgJump *t, double u[2][3 * LTH_DG_MAX_FUNCS],
+                         double jump[2][3 * LTH_DG_MAX_FUNCS]) {
   for (int s = 0; s < 2; s++) memset(jump[s], 0, sizeof(double) * 3 * (size_t)nb[s]);
-  add_product(nb[0], nb[0], mass[0], false, 1, u[0], jump[0]);
-  add_product(nb[0], nb[1], mixed, false, 1, u[1], jump[0]);
-  add_product(nb[1], nb[1], mass[1], false, -1, u[1], jump[1]);
-  add_product(nb[0], nb[1], mixed, true, -1, u[0], jump[1]);
+  add_product(nb[0], nb[0], t->mass[0], false, 1, u[0], jump[0]);
+  add_product(nb[0], nb[1], t->mixed, false, 1, u[1], jump[0]);
+  add_product(nb[1], nb[1], t->mass[1], false, -1, u[1], jump[1]);
+  add_product(nb[0], nb[1], t->mixed, true, -1, u[0], jump[1]);
 }
 
 /// 1/2 int [u] . M [u]
@@ -81,19 +81,22 @@ static double face_energy(const LthDgOperator *op, const LthDgFace *face, const 
     cell_displacement(op, face->cell[s], x, u[s]);
     lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, n[s]);
   }
-  jump_moments(nb, t.mass, t.mixed, u, jump);
+  jump_moments(nb, &t.full, u, jump);
   for (int s = 0; s < 2 && op->flux == LTH_FLUX_IP; s++) {
     double S[9 * LTH_DG_MAX_LOWER];
     lth_dg_stress_coefficients(op, face->cell[s], x, S);
-    sum += flux_energy(op, face->cell[s], 0.5, face->normal, S, jump[s]);
+    sum += flux_energy(op, face->cell[s], face->weight[s], face->normal, S, jump[s]);
   }
-  double full[9], low[9];
+  double M[9];
   const LthDgPenalty *p = &face->penalty;
-  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], full);
-  lth_dg_penalty_matrix(p->low_iso, p->low_normal, n[0], n[1], low);
-  sum += jump_energy(nb, full, u, jump);
-  jump_moments(nb, t.low, t.low_mixed, u, jump);
-  return sum + jump_energy(nb, low, u, jump);
+  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], M);
+  sum += jump_energy(nb, M, u, jump);
+  for (int q = 0; q < t.n_low; q++) {
+    lth_dg_penalty_matrix(p->low_iso[q], p->low_normal[q], n[0], n[1], M);
+    jump_moments(nb, &t.low[q], u, jump);
+    sum += jump_energy(nb, M, u, jump);
+  }
+  return sum;
 }
 
 /// int u phi_i - data over a group (nb x 3), projected by P.
@@ -128,7 +131,7 @@ static void group_matrices(const LthDgOperator *op, const LthDgHold *hold, const
   double n[3];
   lth_m3_apply(op->rotation + 9 * (LitheCount)hold->cell, group->normal, n);
   lth_dg_penalty_matrix(p->full_iso, p->full_normal, n, zero, full);
-  lth_dg_penalty_matrix(p->low_iso, p->low_normal, n, zero, mean);
+  lth_dg_penalty_matrix(p->low_iso[0], p->low_normal[0], n, zero, mean);
 }
 
 static double hold_energy(const LthDgOperator *op, const LthDgHold *hold, double t, const double *u,

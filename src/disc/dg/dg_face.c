@@ -108,8 +108,10 @@ static void face_slopes(const LthDgOperator *op, const LthDgFace *face, const Lt
     for (int i = 0; i < n0; i++)
       for (int j = 0; j < n1; j++) {
         double minus = 0, plus = 0;
-        for (int l = 0; l < l1; l++) minus -= t->mixed[i * n1 + l] * slope1[(b * n1 + j) * l1 + l];
-        for (int l = 0; l < l0; l++) plus += t->mixed[l * n1 + j] * slope0[(b * n0 + i) * l0 + l];
+        for (int l = 0; l < l1; l++)
+          minus -= t->full.mixed[i * n1 + l] * slope1[(b * n1 + j) * l1 + l];
+        for (int l = 0; l < l0; l++)
+          plus += t->full.mixed[l * n1 + j] * slope0[(b * n0 + i) * l0 + l];
         t->slope[1][(b * n0 + i) * n1 + j] = minus;
         t->slope[0][(b * n0 + i) * n1 + j] = plus;
       }
@@ -187,16 +189,18 @@ static void integrate_face(LthDgOperator *op, const LthDgFace *face) {
   int degree = 2 * (k[0] > k[1] ? k[0] : k[1]);
   lth_face_moments(degree, frame.origin, frame.t1, frame.t2, frame.h, &view, moments);
   for (int s = 0; s < 2; s++)
-    trace_products(n[s], k[s], trace[s], n[s], k[s], trace[s], moments, 1, t.mass[s]);
-  trace_products(n[0], k[0], trace[0], n[1], k[1], trace[1], moments, -1, t.mixed);
+    trace_products(n[s], k[s], trace[s], n[s], k[s], trace[s], moments, 1, t.full.mass[s]);
+  trace_products(n[0], k[0], trace[0], n[1], k[1], trace[1], moments, -1, t.full.mixed);
   double psi[LTH_DG_MAX_LOW][LTH_DG_MAX_LOW], low[2][LTH_DG_MAX_LOW * LTH_DG_MAX_FUNCS];
-  int r = lth_monomials2(degree / 2 - 1);
   face_polynomials(degree / 2 - 1, moments, psi);
-  for (int s = 0; s < 2; s++) {
-    low_moments(r, psi, n[s], k[s], trace[s], moments, low[s]);
-    low_products(r, n[s], low[s], n[s], low[s], 1, t.low[s]);
+  for (int s = 0; s < 2; s++)
+    low_moments(lth_monomials2(degree / 2 - 1), psi, n[s], k[s], trace[s], moments, low[s]);
+  // the first rows belong to the lower degrees
+  for (int p = 0; p < t.n_low; p++) {
+    int r = lth_monomials2(k[p] - 1);
+    for (int s = 0; s < 2; s++) low_products(r, n[s], low[s], n[s], low[s], 1, t.low[p].mass[s]);
+    low_products(r, n[0], low[0], n[1], low[1], -1, t.low[p].mixed);
   }
-  low_products(r, n[0], low[0], n[1], low[1], -1, t.low_mixed);
   if (op->flux == LTH_FLUX_IP) face_slopes(op, face, &t);
 }
 

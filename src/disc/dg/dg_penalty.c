@@ -6,6 +6,8 @@
 #define STABILITY 2.0
 /// Springs of the BZ form over the stiffness of the material between two centroids: 1 / 51 softer.
 #define BZ_STIFFNESS 50.0
+/// How much rather the traction is taken from linear functions than from higher ones beside them.
+#define LINEAR_PREFERENCE 100.0
 /// Smallest distance of a centroid from a face, over 1 / C_K (three times that on a cube).
 #define MIN_DISTANCE 0.1
 
@@ -15,15 +17,6 @@ static double centroid_distance(const LthDgSpace *space, LitheIndex cell, const 
   const double *c = space->center + 3 * (LitheCount)cell;
   double d = sign * (n[0] * (at[0] - c[0]) + n[1] * (at[1] - c[1]) + n[2] * (at[2] - c[2]));
   return fmax(d, MIN_DISTANCE / space->trace_constant[cell]);
-}
-
-/// The stability bound of one side with a trace constant C: by Cauchy-Schwarz in the energy's own inner
-/// product the work of the traction on a jump J is held by the energy of the cell and C J.A J, where A =
-/// mu I + (lambda + mu) n n^T is the acoustic tensor. Any Poisson's ratio; lambda meets J.n alone.
-static void add_bound(const LthDgOperator *op, LitheIndex cell, double C, double *iso,
-                      double *normal) {
-  *iso += STABILITY * C * op->mu[cell];
-  *normal += STABILITY * C * (op->lambda[cell] + op->mu[cell]);
 }
 
 /// Springs in series between two centroids (d[1] = 0: one side only): E along n, mu across it; or
@@ -41,30 +34,14 @@ static void series_springs(const LthDgOperator *op, const LitheIndex cell[2], co
   *across = 1 / soft_across;
 }
 
-/// Put `iso`, `normal` on the mean jump and springs on the rest where `projected`, else on all of it.
-static void set_penalty(LthDgPenalty *p, bool projected, double iso, const double normal[2],
-                        double along, double across, const double share[2]) {
-  if (!projected) {
-    *p = (LthDgPenalty){.full_iso = iso, .full_normal = {normal[0], normal[1]}};
-    return;
-  }
-  p->full_iso = across;
-  p->low_iso = iso - across;
+/// Put springs on all of the jump but its mean, which is part q.
+static void add_springs(LthDgPenalty *p, int q, double along, double across,
+                        const double share[2]) {
+  p->full_iso += across;
+  p->low_iso[q] -= across;
   for (int s = 0; s < 2; s++) {
-    p->full_normal[s] = share[s] * (along - across);
-    p->low_normal[s] = normal[s] - p->full_normal[s];
-  }
-}
-
-/// Higher degrees: the stress meets the part of degree k - 1 of the jump only, so that lambda, which
-/// would make the rest rigid near nu = 1/2, is spent on that part alone.
-static void relax_normal(const LthDgOperator *op, LthDgFace *face, double iso,
-                         const double normal[2]) {
-  face->penalty = (LthDgPenalty){.full_iso = iso};
-  for (int s = 0; s < 2; s++) {
-    double lambda = op->lambda[face->cell[s]], mu = op->mu[face->cell[s]];
-    face->penalty.full_normal[s] = normal[s] * mu / (lambda + mu);
-    face->penalty.low_normal[s] = normal[s] - face->penalty.full_normal[s];
+    p->full_normal[s] += share[s] * (along - across);
+    p->low_normal[q][s] -= share[s] * (along - across);
   }
 }
 
@@ -72,67 +49,140 @@ static double eta_modulus(const LthDgOperator *op, LitheIndex cell) {
   return op->kind == LTH_PENALTY_ETA ? op->lambda[cell] + 2 * op->mu[cell] : 1;
 }
 
-void lth_dg_inner_penalty(const LthDgOperator *op, LthDgFace *face) {
-  const LthDgSpace *space = op->space;
-  const double *at = space->mesh->face_centroid + 3 * (LitheCount)face->face;
-  static const double half[2] = {0.5, 0.5};
-  if (op->kind != LTH_PENALTY_AUTO) {
-    double eta = 0;
-    for (int s = 0; s < 2; s++)
-      eta += op->eta * face->area * eta_modulus(op, face->cell[s]) /
-             space->mesh->cell_volume[face->cell[s]];
-    face->penalty = (LthDgPenalty){.full_iso = eta};
-    return;
-  }
-
-  double d[2], along, across, iso = 0, normal[2] = {0, 0};
+/// Eq. (20) of the paper.
+static void set_eta(const LthDgOperator *op, LthDgFace *face) {
+  double eta = 0;
   for (int s = 0; s < 2; s++)
-    d[s] = centroid_distance(space, face->cell[s], at, face->normal, s == 0 ? 1 : -1);
-  bool linear = space->degree[face->cell[0]] == 1 && space->degree[face->cell[1]] == 1;
-  if (op->flux == LTH_FLUX_IP) {
-    for (int s = 0; s < 2; s++)
-      add_bound(op, face->cell[s], space->trace_constant[face->cell[s]] / 4, &iso, &normal[s]);
+    eta += op->eta * face->area * eta_modulus(op, face->cell[s]) /
+           op->space->mesh->cell_volume[face->cell[s]];
+  face->penalty = (LthDgPenalty){.full_iso = eta};
+}
+
+/// BZ: springs much stiffer than the material, on the mean jump of linear functions, else on all of it.
+static void set_stiff_springs(const LthDgOperator *op, const LitheIndex cell[2], const double d[2],
+                              bool linear, const double share[2], LthDgPenalty *p) {
+  double along, across;
+  series_springs(op, cell, d, true, &along, &across);
+  double iso = BZ_STIFFNESS * across, normal = BZ_STIFFNESS * (along - across);
+  if (linear) {
+    p->low_iso[0] = iso;
+    for (int s = 0; s < 2; s++) p->low_normal[0][s] = share[s] * normal;
   } else {
-    series_springs(op, face->cell, d, true, &along, &across);
-    iso = BZ_STIFFNESS * across;
-    for (int s = 0; s < 2; s++) normal[s] = 0.5 * BZ_STIFFNESS * (along - across);
+    p->full_iso = iso;
+    for (int s = 0; s < 2; s++) p->full_normal[s] = share[s] * normal;
   }
-  if (op->flux == LTH_FLUX_IP && !linear) {
-    relax_normal(op, face, iso, normal);
+}
+
+/// The bound of one side where its stress needs it: on the mean jump for k = 1; for higher degrees lambda,
+/// which would make the rest rigid near nu = 1/2, on the part of degree k - 1 and mu on all of the jump.
+static void add_side(const LthDgOperator *op, const LthDgFace *face, int s, int q,
+                     LthDgPenalty *p) {
+  LitheIndex cell = face->cell[s];
+  double C = STABILITY * face->weight[s] * face->weight[s] * op->space->trace_constant[cell];
+  double mu = C * op->mu[cell], lambda = C * op->lambda[cell];
+  bool linear = op->space->degree[cell] == 1;
+  *(linear ? &p->low_iso[q] : &p->full_iso) += mu;
+  *(linear ? &p->low_normal[q][s] : &p->full_normal[s]) += mu;
+  p->low_normal[q][s] += lambda;
+}
+
+static bool is_linear(const LthDgOperator *op, const LthDgFace *face, int s) {
+  return op->space->degree[face->cell[s]] == 1;
+}
+
+/// Weights of the tractions: more for the side whose bound is lower, so that a thin or stiff element does not
+/// make the face rigid. Beside higher degrees linear functions carry nearly all of it: the bound of the other
+/// side would hold more than their mean jump, and they could not hinge.
+static void set_weights(const LthDgOperator *op, LthDgFace *face) {
+  double D[2];
+  face->weight[0] = face->weight[1] = 0.5;
+  if (op->kind != LTH_PENALTY_AUTO || op->flux == LTH_FLUX_BZ) return;
+  for (int s = 0; s < 2; s++) {
+    LitheIndex cell = face->cell[s];
+    D[s] = op->space->trace_constant[cell] * (op->lambda[cell] + 2 * op->mu[cell]);
+    if (!is_linear(op, face, s) && is_linear(op, face, 1 - s)) D[s] *= LINEAR_PREFERENCE;
+  }
+  for (int s = 0; s < 2; s++) face->weight[s] = D[1 - s] / (D[0] + D[1]);
+}
+
+/// Springs of a face whose side s alone is linear: half of (10), in series with the other side's bound.
+static void hinge_springs(const LthDgOperator *op, const LthDgFace *face, int s, double d,
+                          double *along, double *across) {
+  LitheIndex linear = face->cell[s], other = face->cell[1 - s];
+  double bound = STABILITY * op->space->trace_constant[other] * op->mu[other];
+  *along = 1 / (d / op->young[linear] + 0.5 / bound);
+  *across = 1 / (d / op->mu[linear] + 1 / bound);
+}
+
+static void set_bound(const LthDgOperator *op, const double d[2], LthDgFace *face) {
+  static const double half[2] = {0.5, 0.5};
+  double along, across;
+  bool linear[2] = {is_linear(op, face, 0), is_linear(op, face, 1)};
+  bool same = op->space->degree[face->cell[0]] == op->space->degree[face->cell[1]];
+  for (int s = 0; s < 2; s++) add_side(op, face, s, same ? 0 : s, &face->penalty);
+  if (!linear[0] && !linear[1]) return;
+  if (linear[0] && linear[1])
+    series_springs(op, face->cell, d, false, &along, &across);
+  else
+    hinge_springs(op, face, linear[1], d[linear[1]], &along, &across);
+  add_springs(&face->penalty, linear[0] ? 0 : 1, along, across, half);
+}
+
+void lth_dg_inner_penalty(const LthDgOperator *op, LthDgFace *face) {
+  const double *at = op->space->mesh->face_centroid + 3 * (LitheCount)face->face;
+  static const double half[2] = {0.5, 0.5};
+  LthDgPenalty *p = &face->penalty;
+  *p = (LthDgPenalty){0};
+  set_weights(op, face);
+  if (op->kind != LTH_PENALTY_AUTO) {
+    set_eta(op, face);
     return;
   }
+  double d[2], along, across;
+  for (int s = 0; s < 2; s++)
+    d[s] = centroid_distance(op->space, face->cell[s], at, face->normal, s == 0 ? 1 : -1);
+  if (op->flux == LTH_FLUX_IP) {
+    set_bound(op, d, face);
+    return;
+  }
+  bool linear = is_linear(op, face, 0) && is_linear(op, face, 1);
+  set_stiff_springs(op, face->cell, d, linear, half, p);
+  if (!linear) return;
   series_springs(op, face->cell, d, false, &along, &across);
-  set_penalty(&face->penalty, linear, iso, normal, along, across, half);
+  add_springs(p, 0, along, across, half);
 }
 
 void lth_dg_boundary_penalty(const LthDgOperator *op, LitheIndex cell, const double centroid[3],
                              double hold_area, LthDgGroup *group) {
   const LthDgSpace *space = op->space;
   static const double one[2] = {1, 0};
+  LthDgPenalty *p = &group->penalty;
+  *p = (LthDgPenalty){0};
   if (op->kind != LTH_PENALTY_AUTO) {
-    group->penalty = (LthDgPenalty){.full_iso = op->eta * hold_area * eta_modulus(op, cell) * 4 /
-                                                space->mesh->cell_volume[cell]};
+    p->full_iso = op->eta * hold_area * eta_modulus(op, cell) * 4 / space->mesh->cell_volume[cell];
     return;
   }
   double d[2] = {centroid_distance(space, cell, centroid, group->normal, 1), 0};
   LitheIndex cells[2] = {cell, cell};
-  double along, across, iso = 0, normal[2] = {0, 0};
-  if (op->flux == LTH_FLUX_IP) {
-    add_bound(op, cell, space->trace_constant[cell], &iso, &normal[0]);
+  bool linear = space->degree[cell] == 1;
+  double along, across, C = STABILITY * space->trace_constant[cell];
+  if (op->flux == LTH_FLUX_BZ) {
+    set_stiff_springs(op, cells, d, linear, one, p);
   } else {
-    series_springs(op, cells, d, true, &along, &across);
-    iso = BZ_STIFFNESS * across;
-    normal[0] = BZ_STIFFNESS * (along - across);
+    *(linear ? &p->low_iso[0] : &p->full_iso) = C * op->mu[cell];
+    *(linear ? &p->low_normal[0][0] : &p->full_normal[0]) = C * (op->lambda[cell] + op->mu[cell]);
   }
+  if (!linear) return;
   series_springs(op, cells, d, false, &along, &across);
-  set_penalty(&group->penalty, space->degree[cell] == 1, iso, normal, along, across, one);
+  add_springs(p, 0, along, across, one);
 }
 
 /// Stiffness against a normal jump, over (lambda + 2 mu) / h.
 static double normal_scale(const LthDgOperator *op, const LthDgPenalty *p, LitheIndex cell,
                            double h) {
-  double stiffness = p->full_iso + p->full_normal[0] + p->full_normal[1] + p->low_iso +
-                     p->low_normal[0] + p->low_normal[1];
+  double stiffness = p->full_iso + p->full_normal[0] + p->full_normal[1];
+  for (int q = 0; q < 2; q++)
+    stiffness += p->low_iso[q] + p->low_normal[q][0] + p->low_normal[q][1];
   return stiffness * h / (op->lambda[cell] + 2 * op->mu[cell]);
 }
 

@@ -18,12 +18,13 @@
 #define LTH_DG_CLONES
 #endif
 
-/// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, once on the
-/// whole jump (`full`) and once more on its part of degree k - 1 in the face (`low`; on held faces used for
-/// k = 1 only, where it is the mean). Units [Pa/m].
+/// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, on the whole
+/// jump (`full`) and once more on its part of degree k - 1 in the face, for either side's k (`low`; where
+/// both have the same only the first is used; on held faces for k = 1 only, where it is the mean).
+/// Units [Pa/m].
 typedef struct LthDgPenalty {
   double full_iso, full_normal[2];
-  double low_iso, low_normal[2];
+  double low_iso[2], low_normal[2][2];
 } LthDgPenalty;
 
 /// An inner face. Faces are ordered by (cell[0], cell[1]), so that the faces of a pair are neighbours.
@@ -31,7 +32,8 @@ typedef struct LthDgPenalty {
 ///   mass[0]  (n_0 x n_0)      int phi+_i phi+_j
 ///   mass[1]  (n_1 x n_1)      int phi-_i phi-_j
 ///   mixed    (n_0 x n_1)      -int phi+_i phi-_j           (a product of two jumps)
-///   low[0], low[1], low_mixed  the same of the traces' parts of degree k - 1 in the face
+///   low[0]: the same three of the traces' parts of degree k_0 - 1 in the face
+///   low[1]: of degree k_1 - 1, where that differs
 ///   slope[1] (3 x n_0 x n_1)   int [phi+_i] d_b phi-_j     IP only
 ///   slope[0] (3 x n_0 x n_1)   int [phi-_j] d_b phi+_i     IP only
 typedef struct LthDgFace {
@@ -39,6 +41,7 @@ typedef struct LthDgFace {
   LitheIndex cell[2]; ///< owner (+), neighbour (-)
   double normal[3];   ///< out of the owner
   double area;
+  double weight[2]; ///< of the sides' tractions, with sum 1
   LthDgPenalty penalty;
   LitheCount table;
 } LthDgFace;
@@ -123,26 +126,36 @@ static inline const double *lth_dg_slope(const LthDgOperator *op, LitheIndex cel
   return op->slope + op->slope_off[cell];
 }
 
-/// Number of doubles of a face's tables, and their starts.
+/// Products of jumps: of the owner's functions, the neighbour's, and one with the other.
+typedef struct LthDgJump {
+  double *mass[2], *mixed;
+} LthDgJump;
+
+/// A face's tables.
 typedef struct LthDgFaceTables {
-  double *mass[2], *mixed, *low[2], *low_mixed, *slope[2];
+  LthDgJump full, low[2];
+  int n_low;
+  double *slope[2];
 } LthDgFaceTables;
 
 static inline LitheCount lth_dg_face_doubles(const LthDgOperator *op, const LthDgFace *face) {
   LitheCount n0 = lth_dg_funcs(op->space, face->cell[0]),
              n1 = lth_dg_funcs(op->space, face->cell[1]);
-  return 2 * (n0 * n0 + n1 * n1 + n0 * n1) + n0 * n1 * (op->flux == LTH_FLUX_IP ? 6 : 0);
+  return (n0 == n1 ? 2 : 3) * (n0 * n0 + n1 * n1 + n0 * n1) +
+         n0 * n1 * (op->flux == LTH_FLUX_IP ? 6 : 0);
+}
+
+static inline LthDgJump lth_dg_jump_tables(int n0, int n1, double *start) {
+  return (LthDgJump){{start, start + n0 * n0}, start + n0 * n0 + n1 * n1};
 }
 
 static inline LthDgFaceTables lth_dg_face_tables(const LthDgOperator *op, const LthDgFace *face) {
   int n0 = lth_dg_funcs(op->space, face->cell[0]), n1 = lth_dg_funcs(op->space, face->cell[1]);
-  LthDgFaceTables t = {.mass[0] = op->face_data + face->table};
-  t.mass[1] = t.mass[0] + n0 * n0;
-  t.mixed = t.mass[1] + n1 * n1;
-  t.low[0] = t.mixed + n0 * n1;
-  t.low[1] = t.low[0] + n0 * n0;
-  t.low_mixed = t.low[1] + n1 * n1;
-  t.slope[1] = t.low_mixed + n0 * n1;
+  int size = n0 * n0 + n1 * n1 + n0 * n1;
+  double *start = op->face_data + face->table;
+  LthDgFaceTables t = {.n_low = n0 == n1 ? 1 : 2, .full = lth_dg_jump_tables(n0, n1, start)};
+  for (int p = 0; p < t.n_low; p++) t.low[p] = lth_dg_jump_tables(n0, n1, start += size);
+  t.slope[1] = start + size;
   t.slope[0] = t.slope[1] + 3 * n0 * n1;
   return t;
 }

@@ -24,7 +24,7 @@ static void random_rotations(TestBody *b, uint64_t seed) {
 
 static void matrix_is_symmetric(void **state) {
   (void)state;
-  for (int k = 1; k <= 3; k++)
+  for (int k = 1; k <= MIXED; k++)
     for (int kind = 0; kind < 2; kind++)
       for (int flux = 0; flux < 2; flux++) {
         TestBody b = test_body(kind ? TEST_TETRAHEDRA : TEST_HEXAHEDRA,
@@ -45,7 +45,7 @@ static void matrix_is_symmetric(void **state) {
 
 static void rigid_motions_of_a_linear_body_give_no_force(void **state) {
   (void)state;
-  for (int k = 1; k <= 3; k++)
+  for (int k = 1; k <= MIXED; k++)
     for (int flux = 0; flux < 2; flux++) {
       TestBody b = test_body(k == 2 ? TEST_TETRAHEDRA : TEST_HEXAHEDRA, block, k);
       uneven_material(&b, 100, 0.4);
@@ -62,7 +62,7 @@ static void rigid_motions_of_a_linear_body_give_no_force(void **state) {
 
 static void rigid_motions_of_a_warped_body_give_no_force(void **state) {
   (void)state;
-  for (int k = 1; k <= 3; k++)
+  for (int k = 1; k <= MIXED; k++)
     for (int flux = 0; flux < 2; flux++) {
       TestBody b = test_body(k == 2 ? TEST_TETRAHEDRA : TEST_HEXAHEDRA, block, k);
       uneven_material(&b, 100, 0.4);
@@ -132,7 +132,7 @@ static TestBody constrained_body(TestMesh kind, int degree, bool bz) {
 /// E is quadratic with frozen rotations: (E(x + h) - E(x - h)) / 2 = f(x) . h exactly.
 static void force_is_the_gradient_of_the_energy(void **state) {
   (void)state;
-  for (int k = 1; k <= 3; k++)
+  for (int k = 1; k <= MIXED; k++)
     for (int bz = 0; bz < 2; bz++)
       for (int kind = 0; kind < 2; kind++) {
         TestBody b = constrained_body(kind ? TEST_TETRAHEDRA : TEST_HEXAHEDRA, k, bz);
@@ -162,7 +162,7 @@ static void force_is_the_gradient_of_the_energy(void **state) {
 /// Internal forces tested with constants are the constraints' alone.
 static void reactions_balance_the_internal_force(void **state) {
   (void)state;
-  for (int k = 1; k <= 2; k++)
+  for (int k = 1; k <= MIXED; k++)
     for (int bz = 0; bz < 2; bz++) {
       TestBody b = constrained_body(TEST_HEXAHEDRA, k, bz);
       double total[3] = {0}, reaction[12];
