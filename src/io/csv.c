@@ -43,30 +43,58 @@ static void put_name(FILE *stream, const char *name) {
   fputc('"', stream);
 }
 
-LitheStatus lth_csv_open(LitheCtx *ctx, const char *path, int n, const char *const *names,
-                         LthCsv **csv) {
-  LitheStatus status = LITHE_OK;
-  LTH_NEW(ctx, *csv, 1);
-  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*csv)->path));
-  (*csv)->n = n;
-  (*csv)->stream = fopen(path, "wb");
-  if (!(*csv)->stream) {
-    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
-    goto failed;
-  }
-  for (int i = 0; i < n; i++) {
-    if (i > 0) fputc(',', (*csv)->stream);
-    put_name((*csv)->stream, names[i]);
-  }
-  LITHE_TRY_OR(failed, end_row(ctx, *csv));
-  return LITHE_OK;
-
-failed:
+static void release(LitheCtx *ctx, LthCsv **csv) {
   if ((*csv)->stream) fclose((*csv)->stream);
   lth_free(ctx, (*csv)->path);
   lth_free(ctx, *csv);
   *csv = NULL;
+}
+
+/// `mode` of fopen(): "wb" for a new file, "r+b" for one that is there.
+static LitheStatus create(LitheCtx *ctx, const char *path, int n, const char *mode, LthCsv **csv) {
+  LitheStatus status = LITHE_OK;
+  LTH_NEW(ctx, *csv, 1);
+  (*csv)->n = n;
+  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*csv)->path));
+  (*csv)->stream = fopen(path, mode);
+  if ((*csv)->stream) return LITHE_OK;
+  if (mode[0] == 'r' && errno == ENOENT)
+    status =
+        lth_fail(ctx, LITHE_BAD_INPUT,
+                 "%s: the file is gone that the run would go on with; run the scene anew", path);
+  else
+    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+failed:
+  release(ctx, csv);
   return status;
+}
+
+LitheStatus lth_csv_open(LitheCtx *ctx, const char *path, int n, const char *const *names,
+                         LthCsv **csv) {
+  LITHE_TRY(create(ctx, path, n, "wb", csv));
+  for (int i = 0; i < n; i++) {
+    if (i > 0) fputc(',', (*csv)->stream);
+    put_name((*csv)->stream, names[i]);
+  }
+  LitheStatus status = end_row(ctx, *csv);
+  if (status != LITHE_OK) release(ctx, csv);
+  return status;
+}
+
+LitheStatus lth_csv_reopen(LitheCtx *ctx, const char *path, int n, LthCsv **csv) {
+  return create(ctx, path, n, "r+b", csv);
+}
+
+void lth_csv_archive(LthCsv *csv, LthArchive *archive) {
+  LTH_ARCHIVE(archive, csv->whole);
+  if (!archive->is_reading || archive->status != LITHE_OK) return;
+  if (fseek(csv->stream, 0, SEEK_END) != 0 || ftell(csv->stream) < csv->whole)
+    archive->status = lth_fail(archive->ctx, LITHE_BAD_INPUT,
+                               "%s has become shorter since; run the scene anew", csv->path);
+  else if (ftruncate(fileno(csv->stream), csv->whole) != 0 ||
+           fseek(csv->stream, csv->whole, SEEK_SET) != 0)
+    archive->status = lth_fail(archive->ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", csv->path,
+                               strerror(errno));
 }
 
 LitheStatus lth_csv_row(LitheCtx *ctx, LthCsv *csv, const double *values) {

@@ -36,14 +36,34 @@ static LitheStatus fail_writing(LitheCtx *ctx, LthPc2 *pc2) {
 }
 
 static void release(LitheCtx *ctx, LthPc2 **pc2) {
+  if ((*pc2)->stream) fclose((*pc2)->stream);
   lth_free(ctx, (*pc2)->path);
   lth_free(ctx, *pc2);
   *pc2 = NULL;
 }
 
+/// `mode` of fopen(): "wb" for a new file, "r+b" for one that is there.
+static LitheStatus create(LitheCtx *ctx, const char *path, LitheIndex n_points, const char *mode,
+                          LthPc2 **pc2) {
+  LitheStatus status = LITHE_OK;
+  LTH_NEW(ctx, *pc2, 1);
+  (*pc2)->n_points = n_points;
+  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*pc2)->path));
+  (*pc2)->stream = fopen(path, mode);
+  if ((*pc2)->stream) return LITHE_OK;
+  if (mode[0] == 'r' && errno == ENOENT)
+    status =
+        lth_fail(ctx, LITHE_BAD_INPUT,
+                 "%s: the file is gone that the run would go on with; run the scene anew", path);
+  else
+    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+failed:
+  release(ctx, pc2);
+  return status;
+}
+
 LitheStatus lth_pc2_open(LitheCtx *ctx, const char *path, LitheIndex n_points, double dt,
                          LthPc2 **pc2) {
-  LitheStatus status = LITHE_OK;
   char header[HEADER_BYTES] = "POINTCACHE2";
   lth_bytes_put_u32(1, header + 12);
   lth_bytes_put_u32((uint32_t)n_points, header + 16);
@@ -51,21 +71,17 @@ LitheStatus lth_pc2_open(LitheCtx *ctx, const char *path, LitheIndex n_points, d
   lth_bytes_put_f32((float)dt, header + 24);
   lth_bytes_put_u32(0, header + SAMPLES_AT);
 
-  LTH_NEW(ctx, *pc2, 1);
-  LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*pc2)->path));
-  (*pc2)->n_points = n_points;
-  (*pc2)->stream = fopen(path, "wb");
-  if (!(*pc2)->stream || fwrite(header, 1, HEADER_BYTES, (*pc2)->stream) != HEADER_BYTES ||
-      fflush((*pc2)->stream) != 0) {
-    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
-    goto failed;
-  }
-  return LITHE_OK;
-
-failed:
-  if ((*pc2)->stream) fclose((*pc2)->stream);
+  LITHE_TRY(create(ctx, path, n_points, "wb", pc2));
+  if (fwrite(header, 1, HEADER_BYTES, (*pc2)->stream) == HEADER_BYTES &&
+      fflush((*pc2)->stream) == 0)
+    return LITHE_OK;
+  lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
   release(ctx, pc2);
-  return status;
+  return LITHE_NO_SPACE;
+}
+
+LitheStatus lth_pc2_reopen(LitheCtx *ctx, const char *path, LitheIndex n_points, LthPc2 **pc2) {
+  return create(ctx, path, n_points, "r+b", pc2);
 }
 
 static bool put_points(LthPc2 *pc2, const double *points) {
@@ -95,10 +111,24 @@ LitheStatus lth_pc2_append(LitheCtx *ctx, LthPc2 *pc2, const double *points) {
   return LITHE_OK;
 }
 
+void lth_pc2_archive(LthPc2 *pc2, LthArchive *archive) {
+  LTH_ARCHIVE(archive, pc2->n_samples);
+  if (!archive->is_reading || archive->status != LITHE_OK) return;
+  off_t end = frame_end(pc2, pc2->n_samples);
+  if (fseeko(pc2->stream, 0, SEEK_END) != 0 || ftello(pc2->stream) < end)
+    archive->status = lth_fail(archive->ctx, LITHE_BAD_INPUT,
+                               "%s has become shorter since; run the scene anew", pc2->path);
+  else if (!put_count(pc2, pc2->n_samples) || ftruncate(fileno(pc2->stream), end) != 0)
+    archive->status = lth_fail(archive->ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", pc2->path,
+                               strerror(errno));
+}
+
 LitheStatus lth_pc2_close(LitheCtx *ctx, LthPc2 **pc2) {
   if (!*pc2) return LITHE_OK;
   LitheStatus status = LITHE_OK;
-  if (fclose((*pc2)->stream) != 0)
+  bool is_closed = fclose((*pc2)->stream) == 0;
+  (*pc2)->stream = NULL;
+  if (!is_closed)
     status =
         lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", (*pc2)->path, strerror(errno));
   release(ctx, pc2);
