@@ -40,6 +40,7 @@ static LitheStatus read_scene(App *app) {
     snprintf(threads, sizeof threads, "solver.threads=%d", args->threads);
     overrides[def.n_overrides++] = threads;
   }
+  if (args->resume) return lithe_resume_read(app->ctx, args->resume, &def, &app->scene);
   return lithe_scene_read(app->ctx, &def, &app->scene);
 }
 

@@ -13,7 +13,9 @@ static const struct {
   bool takes_scene;
   const char *usage, *purpose;
 } commands[] = {
-    {"run", RUN, true, "lithe run SCENE [-o DIR] [options]", "run a scene and write its result"},
+    {"run", RUN, true,
+     "lithe run SCENE [-o DIR] [options]\n       lithe run --resume DIR [options]",
+     "run a scene and write its result"},
     {"check", CHECK, true, "lithe check SCENE [options]",
      "check a scene and say what a run would need"},
     {"mesh", MESH, true, "lithe mesh SCENE [-o FILE.vtu] [options]",
@@ -28,6 +30,7 @@ static const struct {
 } options[] = {
     {"--out", "-o", "PATH", RUN | MESH,
      "where to write (run: a folder, out/<scene name> if not given)"},
+    {"--resume", NULL, "DIR", RUN, "go on with an interrupted run from its last checkpoint"},
     {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH,
      "override a value: --set bodies.0.method.degree=2"},
     {"--threads", NULL, "N", RUN | CHECK | MESH, "threads to use (all cores if not given)"},
@@ -121,6 +124,7 @@ static bool apply(int option, const char *value, Args *args) {
   if (strcmp(name, "--set") == 0) return add_set(value, args);
   if (strcmp(name, "--threads") == 0) return set_threads(value, args);
   if (strcmp(name, "--out") == 0) args->out = value;
+  if (strcmp(name, "--resume") == 0) args->resume = value;
   if (strcmp(name, "--json") == 0) args->json = true;
   if (strcmp(name, "--quiet") == 0) args->quiet = true;
   if (strcmp(name, "--help") == 0) args->help = true;
@@ -174,6 +178,20 @@ static bool parse_word(const char *word, Args *args) {
   return true;
 }
 
+/// A run that goes on has its scene, its values and its folder already.
+static bool is_only_resume(const Args *args) {
+  const char *extra = args->scene    ? args->scene
+                      : args->out    ? "--out"
+                      : args->n_sets ? "--set"
+                                     : NULL;
+  if (!extra) return true;
+  fprintf(stderr,
+          "lithe: run: --resume DIR finds the scene, its values and its folder itself; leave "
+          "'%s' out\n",
+          extra);
+  return false;
+}
+
 /// A command that takes a scene has one.
 static bool is_complete(const Args *args) {
   if (args->help || args->version) return true;
@@ -182,6 +200,7 @@ static bool is_complete(const Args *args) {
             "lithe: a command is missing: run, check, mesh or info; 'lithe --help' says more\n");
     return false;
   }
+  if (args->resume) return is_only_resume(args);
   int command = find_command(args->command);
   if (!commands[command].takes_scene || args->scene) return true;
   fprintf(stderr, "lithe: %s: a scene file is missing\nusage: %s\n", args->command,

@@ -10,6 +10,7 @@ typedef struct Args {
   const char *command;             ///< NULL: none was given
   const char *scene;               ///< NULL where the command takes none
   const char *out;                 ///< -o, or NULL
+  const char *resume;              ///< --resume, or NULL: there is no scene then
   const char *sets[ARGS_MAX_SETS]; ///< --set path=value, in order           (n_sets)
   int n_sets;
   bool json, quiet, help, version;

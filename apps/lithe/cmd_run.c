@@ -25,7 +25,10 @@ int cmd_run(const Args *args) {
   App app;
   LitheResult *result = NULL;
   LitheStatus status = app_open(&app, args);
-  if (status == LITHE_OK) status = lithe_run(app.ctx, app.scene, args->out, &result);
+  if (status == LITHE_OK && args->resume)
+    status = lithe_resume(app.ctx, app.scene, args->resume, &result);
+  else if (status == LITHE_OK)
+    status = lithe_run(app.ctx, app.scene, args->out, &result);
   progress_end(&app.progress);
   if (result && has_result(status) && *lithe_result_json(result)) {
     if (args->json)

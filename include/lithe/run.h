@@ -31,6 +31,20 @@ typedef struct LitheResult LitheResult;
 LITHE_API LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
                                 LitheResult **result);
 
+/// Read the scene of the run whose checkpoint lies in `folder`, as lithe_scene_read() does: from where it was,
+/// with the overrides that it had. `def->overrides` come behind them (solver.threads alone may change),
+/// `def->file` is not used.
+/// @return LITHE_BAD_INPUT: there is no checkpoint, it is damaged or of another version, or the scene is bad.
+LITHE_API LitheStatus lithe_resume_read(LitheCtx *ctx, const char *folder, const LitheSceneDef *def,
+                                        LitheScene **scene);
+
+/// Go on with that run from its checkpoint: all files, and result.json but for its times, get the same bits
+/// as if the run had never stopped. Otherwise as lithe_run().
+/// @return also LITHE_BAD_INPUT: the scene, a file that it names or a file of the run has changed since.
+/// Nothing in the folder is touched then.
+LITHE_API LitheStatus lithe_resume(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                                   LitheResult **result);
+
 /// Borrowed until the result is destroyed. The text is "" where no result.json was written.
 LITHE_API const char *lithe_result_json(const LitheResult *result);
 LITHE_API const char *lithe_result_folder(const LitheResult *result);

@@ -21,6 +21,7 @@ struct LitheCtx {
   char message[LTH_MESSAGE_MAX];
   char **warnings;
   LitheIndex n_warnings;
+  uint64_t inputs; ///< sum of digests
 };
 
 /// Stands in front of every block so that its size is known when it is freed.
@@ -217,6 +218,9 @@ void lth_set_threads(LitheCtx *ctx, int threads) {
 void lth_progress(LitheCtx *ctx, const char *phase, double fraction) {
   if (ctx->def.progress) ctx->def.progress(ctx->def.progress_user, phase, fraction);
 }
+
+void lth_note_input(LitheCtx *ctx, uint64_t digest) { ctx->inputs += digest; }
+uint64_t lth_inputs(const LitheCtx *ctx) { return ctx->inputs; }
 
 double lth_now(void) {
   struct timespec now;

@@ -42,6 +42,11 @@ bool lth_cancelled(const LitheCtx *ctx);
 /// Tell the user how far a phase is; `fraction` in [0, 1] or -1. Cheap, may be called often.
 void lth_progress(LitheCtx *ctx, const char *phase, double fraction);
 
+/// Digest of the contents of all files read so far: a sum, so that the difference of two readings tells
+/// what was read between them.
+void lth_note_input(LitheCtx *ctx, uint64_t digest);
+uint64_t lth_inputs(const LitheCtx *ctx);
+
 /// Wall clock [s] from an arbitrary start.
 double lth_now(void);
 

@@ -2,6 +2,7 @@
 /// Kaufmann et al. 2009, section 8 (sign corrected: docs/theory/contact.md).
 #pragma once
 
+#include "base/archive.h"
 #include "embed/embedding.h"
 #include "geometry/shape.h"
 #include "la/krylov.h"
@@ -68,6 +69,10 @@ bool lth_contact_revise(LthContact *contact, const double *v1);
 /// Number of active points, deepest penetration [m] and total normal force [N] of the last solve.
 void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetration,
                         double *force);
+
+/// What a later step needs to know of the steps before: anchors, limits, an automatic stiffness. Walks
+/// outwards or inwards.
+void lth_contact_archive(LthContact *contact, LthArchive *archive);
 
 /// Stiffness per area in use [Pa/m] (per point [N/m] where no area is known).
 double lth_contact_stiffness(const LthContact *contact);

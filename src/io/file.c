@@ -1,6 +1,9 @@
 /// Whole files and folders: reading, writing to a temporary name that is renamed, joining paths.
 #include "io/file.h"
 
+#include "base/digest.h"
+
+#include <dirent.h>
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -38,7 +41,9 @@ LitheStatus lth_file_read(LitheCtx *ctx, const char *path, char **data, size_t *
 
   LitheStatus status = read_stream(ctx, path, stream, data, size);
   fclose(stream);
-  if (status != LITHE_OK) {
+  if (status == LITHE_OK) {
+    lth_note_input(ctx, lth_digest(*data, *size, 0));
+  } else {
     lth_free(ctx, *data);
     *data = NULL;
     *size = 0;
@@ -118,6 +123,30 @@ void lth_file_abandon(LitheCtx *ctx, LthFileWriter *writer) {
   lth_free(ctx, writer->temporary);
   lth_free(ctx, writer->path);
   *writer = (LthFileWriter){0};
+}
+
+/// "name.1234.part", as lth_file_open() calls them.
+static bool is_part(const char *name) {
+  size_t length = strlen(name);
+  if (length < 7 || strcmp(name + length - 5, ".part") != 0) return false;
+  const char *at = name + length - 6;
+  while (at > name && *at >= '0' && *at <= '9') at--;
+  return *at == '.' && at < name + length - 6 && at > name;
+}
+
+LitheStatus lth_file_remove_parts(LitheCtx *ctx, const char *folder) {
+  DIR *dir = opendir(folder);
+  LitheStatus status = LITHE_OK;
+  for (struct dirent *entry; dir && status == LITHE_OK && (entry = readdir(dir));) {
+    char *path;
+    if (!is_part(entry->d_name)) continue;
+    status = lth_path_join(ctx, folder, entry->d_name, &path);
+    if (status != LITHE_OK) break;
+    unlink(path);
+    lth_free(ctx, path);
+  }
+  if (dir) closedir(dir);
+  return status;
 }
 
 static LitheStatus make_one_folder(LitheCtx *ctx, const char *path) {

@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-/// Read a whole file; `*data` (size + 1 bytes, 0 at the end) is freed by lth_free().
+/// Read a whole file and note its contents among the context's inputs; `*data` (size + 1 bytes, 0 at the end) is freed by lth_free().
 LitheStatus lth_file_read(LitheCtx *ctx, const char *path, char **data, size_t *size);
 
 /// A file being written: it appears under its name only when it is complete.
@@ -18,6 +18,9 @@ LitheStatus lth_file_open(LitheCtx *ctx, const char *path, LthFileWriter *writer
 /// Flush, check, rename; on any failure the temporary file is removed. LITHE_NO_SPACE with the reason.
 LitheStatus lth_file_commit(LitheCtx *ctx, LthFileWriter *writer);
 void lth_file_abandon(LitheCtx *ctx, LthFileWriter *writer);
+
+/// Remove temporary files in a folder that a killed program left behind.
+LitheStatus lth_file_remove_parts(LitheCtx *ctx, const char *folder);
 
 /// Make a folder and its parents.
 LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);

@@ -127,6 +127,21 @@ LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
   return write_pvd(ctx, f);
 }
 
+static LitheStatus make_room(LitheCtx *ctx, LthFields *f, LitheCount n) {
+  LTH_RESERVE(ctx, f->times, f->cap_frames, n);
+  return LITHE_OK;
+}
+
+void lth_fields_archive(LthFields *f, LthArchive *archive) {
+  LitheCount n = f->n_frames;
+  lth_archive_count(archive, &n);
+  if (archive->status == LITHE_OK && archive->is_reading)
+    archive->status = make_room(archive->ctx, f, n);
+  if (archive->status != LITHE_OK) return;
+  f->n_frames = (LitheIndex)n;
+  LTH_ARCHIVE_ARRAY(archive, f->times, n);
+}
+
 LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
   LthFields *f = *fields;
   if (!f) return LITHE_OK;

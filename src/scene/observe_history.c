@@ -12,12 +12,14 @@ static const char *const columns[] = {
     "t",           "strain_energy",     "kinetic_energy",    "work",    "volume", "contacts",
     "penetration", "linear_iterations", "newton_iterations", "residual"};
 
-LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, LthHistory **history) {
+LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, bool resumes,
+                             LthHistory **history) {
+  const int n = sizeof columns / sizeof columns[0];
   char *path = NULL;
   LTH_NEW(ctx, *history, 1);
   LITHE_TRY(lth_path_join(ctx, folder, "history.csv", &path));
-  LitheStatus status =
-      lth_csv_open(ctx, path, sizeof columns / sizeof columns[0], columns, &(*history)->csv);
+  LitheStatus status = resumes ? lth_csv_reopen(ctx, path, n, &(*history)->csv)
+                               : lth_csv_open(ctx, path, n, columns, &(*history)->csv);
   lth_free(ctx, path);
   return status;
 }
@@ -35,6 +37,10 @@ LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *
                         r->newton_iterations,
                         r->residual};
   return lth_csv_row(ctx, history->csv, row);
+}
+
+void lth_history_archive(LthHistory *history, LthArchive *archive) {
+  lth_csv_archive(history->csv, archive);
 }
 
 LitheStatus lth_history_close(LitheCtx *ctx, LthHistory **history) {

@@ -53,7 +53,7 @@ static void write_names(const LthScene *scene, char *text, size_t room, const ch
     }
 }
 
-static LitheStatus open_csv(LitheCtx *ctx, const char *folder, const LthScene *scene,
+static LitheStatus open_csv(LitheCtx *ctx, const char *folder, const LthScene *scene, bool resumes,
                             LthProbes *probes) {
   LitheStatus status = LITHE_OK;
   size_t room = 16;
@@ -68,7 +68,8 @@ static LitheStatus open_csv(LitheCtx *ctx, const char *folder, const LthScene *s
   LTH_NEW_OR(done, ctx, names, n);
   write_names(scene, text, room, names);
   LITHE_TRY_OR(done, lth_path_join(ctx, folder, "probes.csv", &path));
-  LITHE_TRY_OR(done, lth_csv_open(ctx, path, n, names, &probes->csv));
+  LITHE_TRY_OR(done, resumes ? lth_csv_reopen(ctx, path, n, &probes->csv)
+                             : lth_csv_open(ctx, path, n, names, &probes->csv));
 
 done:
   lth_free(ctx, path);
@@ -77,7 +78,7 @@ done:
   return status;
 }
 
-LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *world,
+LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *world, bool resumes,
                             LthProbes **probes) {
   LTH_NEW(ctx, *probes, 1);
   LthProbes *p = *probes;
@@ -88,7 +89,7 @@ LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *w
   LTH_NEW(ctx, p->row, 1 + COLUMNS * (LitheCount)p->n);
   for (LitheIndex i = 0; i < p->n; i++)
     LITHE_TRY(find_cell(ctx, world, world->scene->probes + i, p->body + i, p->cell + i));
-  return open_csv(ctx, folder, world->scene, p);
+  return open_csv(ctx, folder, world->scene, resumes, p);
 }
 
 LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i) {
@@ -112,6 +113,10 @@ LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *wor
     row[9] = value.von_mises;
   }
   return lth_csv_row(ctx, probes->csv, probes->row);
+}
+
+void lth_probes_archive(LthProbes *probes, LthArchive *archive) {
+  if (probes->csv) lth_csv_archive(probes->csv, archive);
 }
 
 LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes) {

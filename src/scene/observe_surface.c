@@ -51,7 +51,7 @@ static void to_output_space(const LthSurfaceOutput *out, LitheIndex n, double *p
 }
 
 /// surface.obj at rest and the cache that moves it.
-static LitheStatus open_cache(LitheCtx *ctx, const LthBody *body, double period,
+static LitheStatus open_cache(LitheCtx *ctx, const LthBody *body, double period, bool resumes,
                               LthSurfaceOutput *out) {
   LitheStatus status = LITHE_OK;
   char *obj = NULL, *pc2 = NULL;
@@ -61,7 +61,8 @@ static LitheStatus open_cache(LitheCtx *ctx, const LthBody *body, double period,
   LITHE_TRY_OR(done, lth_path_ending(ctx, out->folder, out->stem, "obj", &obj));
   LITHE_TRY_OR(done, lth_path_ending(ctx, out->folder, out->stem, "pc2", &pc2));
   LITHE_TRY_OR(done, lth_soup_write_obj(ctx, obj, body->soup, out->points));
-  LITHE_TRY_OR(done, lth_pc2_open(ctx, pc2, n, period, &out->pc2));
+  LITHE_TRY_OR(done, resumes ? lth_pc2_reopen(ctx, pc2, n, &out->pc2)
+                             : lth_pc2_open(ctx, pc2, n, period, &out->pc2));
 
 done:
   lth_free(ctx, obj);
@@ -70,7 +71,7 @@ done:
 }
 
 LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
-                                    double period, LthSurfaceOutput **out) {
+                                    double period, bool resumes, LthSurfaceOutput **out) {
   LTH_NEW(ctx, *out, 1);
   LITHE_TRY(lth_copy_text(ctx, folder, &(*out)->folder));
   LITHE_TRY(lth_output_stem(ctx, body, "surface", &(*out)->stem));
@@ -81,7 +82,7 @@ LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const Lth
   (*out)->in_file_space = body->scene->output_in_file_space;
   if ((*out)->in_file_space) LITHE_TRY(invert(ctx, body->def, *out));
   LTH_NEW(ctx, (*out)->points, 3 * (LitheCount)body->soup->n_points);
-  return body->scene->surface_pc2 ? open_cache(ctx, body, period, *out) : LITHE_OK;
+  return body->scene->surface_pc2 ? open_cache(ctx, body, period, resumes, *out) : LITHE_OK;
 }
 
 typedef LitheStatus WriteFn(LitheCtx *ctx, const char *path, const LthSoup *soup,
@@ -118,6 +119,11 @@ static LitheStatus remove_rest(LitheCtx *ctx, const LthSurfaceOutput *out) {
   if (out->kinds[1]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, stem, n, "ply"));
   if (out->kinds[2]) LITHE_TRY(lth_file_remove_numbered(ctx, folder, stem, n, "stl"));
   return LITHE_OK;
+}
+
+void lth_surface_output_archive(LthSurfaceOutput *out, LthArchive *archive) {
+  LTH_ARCHIVE(archive, out->n_frames);
+  if (out->pc2) lth_pc2_archive(out->pc2, archive);
 }
 
 LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out) {

@@ -7,10 +7,10 @@
 #include <string.h>
 #include <unistd.h>
 
-/// A result.json tells a whole run: an old one must not stand beside new files.
-static LitheStatus remove_old_result(LitheCtx *ctx, const char *folder) {
+/// A result.json tells a whole run: an old one must not stand beside new files, nor a checkpoint.
+static LitheStatus remove_old(LitheCtx *ctx, const char *folder, const char *name) {
   char *path;
-  LITHE_TRY(lth_path_join(ctx, folder, "result.json", &path));
+  LITHE_TRY(lth_path_join(ctx, folder, name, &path));
   unlink(path);
   lth_free(ctx, path);
   return LITHE_OK;
@@ -27,26 +27,31 @@ LitheStatus lth_output_stem(LitheCtx *ctx, const LthBody *body, const char *what
 }
 
 static LitheStatus open_all(LitheCtx *ctx, const char *folder, const LthWorld *world,
-                            const LthSchedule *schedule, LthOutput *out) {
+                            const LthSchedule *schedule, bool resumes, LthOutput *out) {
   LITHE_TRY(lth_folder_make(ctx, folder));
-  LITHE_TRY(remove_old_result(ctx, folder));
-  LITHE_TRY(lth_history_open(ctx, folder, &out->history));
-  LITHE_TRY(lth_probes_open(ctx, folder, world, &out->probes));
+  LITHE_TRY(remove_old(ctx, folder, "result.json"));
+  if (resumes)
+    LITHE_TRY(lth_file_remove_parts(ctx, folder));
+  else
+    LITHE_TRY(remove_old(ctx, folder, LTH_CHECKPOINT_NAME));
+  LITHE_TRY(lth_history_open(ctx, folder, resumes, &out->history));
+  LITHE_TRY(lth_probes_open(ctx, folder, world, resumes, &out->probes));
   LTH_NEW(ctx, out->fields, world->n_bodies);
   LTH_NEW(ctx, out->surface, world->n_bodies);
   out->n_bodies = world->n_bodies;
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     const LthBody *body = world->bodies[b];
     LITHE_TRY(lth_fields_open(ctx, folder, body, out->fields + b));
-    LITHE_TRY(lth_surface_output_open(ctx, folder, body, schedule->period, out->surface + b));
+    LITHE_TRY(
+        lth_surface_output_open(ctx, folder, body, schedule->period, resumes, out->surface + b));
   }
   return LITHE_OK;
 }
 
 LitheStatus lth_output_open(LitheCtx *ctx, const char *folder, const LthWorld *world,
-                            const LthSchedule *schedule, LthOutput *out) {
+                            const LthSchedule *schedule, bool resumes, LthOutput *out) {
   double start = lth_now();
-  LitheStatus status = open_all(ctx, folder, world, schedule, out);
+  LitheStatus status = open_all(ctx, folder, world, schedule, resumes, out);
   out->seconds += lth_now() - start;
   return status;
 }
@@ -63,6 +68,17 @@ LitheStatus lth_output_frame(LitheCtx *ctx, LthOutput *out, const LthWorld *worl
   out->n_frames++;
   out->seconds += lth_now() - start;
   return LITHE_OK;
+}
+
+void lth_output_archive(LthOutput *out, LthArchive *archive) {
+  lth_archive_mark(archive, "output");
+  LTH_ARCHIVE(archive, out->n_frames);
+  lth_history_archive(out->history, archive);
+  lth_probes_archive(out->probes, archive);
+  for (LitheIndex b = 0; b < out->n_bodies; b++) {
+    lth_fields_archive(out->fields[b], archive);
+    lth_surface_output_archive(out->surface[b], archive);
+  }
 }
 
 static void keep_first(LitheStatus *first, LitheStatus status) {

@@ -4,6 +4,8 @@
 #include "scene/observe.h"
 #include "scene/schedule.h"
 
+#define LTH_CHECKPOINT_NAME "checkpoint" ///< file in the folder of a run
+
 typedef struct LthOutput {
   LthHistory *history;
   LthProbes *probes;
@@ -14,10 +16,14 @@ typedef struct LthOutput {
   double seconds; ///< spent here
 } LthOutput;
 
-/// Make the folder, remove the result.json of an earlier run, open all files.
+/// Make the folder, remove the result.json (and the checkpoint) of an earlier run, open all files; `resumes`:
+/// those of an interrupted run, which lth_output_archive() then leads on from where they were.
 /// Close with lth_output_close(), after a failure too.
 LitheStatus lth_output_open(LitheCtx *ctx, const char *folder, const LthWorld *world,
-                            const LthSchedule *schedule, LthOutput *out);
+                            const LthSchedule *schedule, bool resumes, LthOutput *out);
+
+/// How far all files are. Reading cuts them there.
+void lth_output_archive(LthOutput *out, LthArchive *archive);
 
 /// Write the present state.
 LitheStatus lth_output_frame(LitheCtx *ctx, LthOutput *out, const LthWorld *world);

@@ -166,6 +166,7 @@ void lth_read_output(LthReader *r) {
   LthScene *scene = r->scene;
   scene->output_every = scene->time_kind == LTH_TIME_DYNAMIC ? FRAME : 0;
   if (every) scene->output_every = lth_node_is_text(every, "last") ? -1 : every->value.constant;
+  scene->checkpoint_period = lth_read_number(output, "checkpoint", -1);
   const LthNode *fields = lth_node_get(output, "fields"),
                 *surface = lth_node_get(output, "surface");
   check_none(r, lth_node_find(output, "fields"));

@@ -3,6 +3,7 @@
 
 #include "io/file.h"
 #include "io/matrix_market.h"
+#include "scene/checkpoint.h"
 #include "scene/result.h"
 #include "scene/scene_public.h"
 
@@ -31,11 +32,15 @@ void lithe_result_destroy(LitheCtx *ctx, LitheResult **result) {
 /// Everything that a run holds while it runs.
 typedef struct Run {
   const LthScene *scene;
+  const char *folder;
   LthWorld *world;
   LthSchedule schedule;
   LthOutput out;
   LthTimes times;
   double start;
+  LthCheckpoint checkpoint;
+  LthResume *resume; ///< or NULL: from the beginning
+  LthPlace place;    ///< of the step that comes
 } Run;
 
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
@@ -49,29 +54,41 @@ static LitheStatus step(LitheCtx *ctx, const Run *run, double dt, double to) {
   return status;
 }
 
-/// From output time k - 1 to output time k.
-static LitheStatus advance(LitheCtx *ctx, Run *run, LitheIndex k) {
+/// To the next output time.
+static LitheStatus advance(LitheCtx *ctx, Run *run) {
   const LthSchedule *s = &run->schedule;
+  const LitheIndex k = run->place.output;
   double begin = k > 1 ? lth_schedule_time(s, k - 1) : 0, end = lth_schedule_time(s, k);
   LitheCount n = lth_schedule_steps(s, k);
-  for (LitheCount i = 0; i < n; i++) {
+  for (; run->place.step < n; run->place.step++) {
+    double i = (double)run->place.step, done = begin + (end - begin) * i / (double)n;
+    LITHE_TRY(lth_checkpoint_take(ctx, &run->checkpoint, run->place, run->world, &run->out));
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
-    double done = begin + (end - begin) * (double)i / (double)n;
     lth_progress(ctx, "simulating", s->duration > 0 ? done / s->duration : -1);
     double dt = (end - begin) / (double)n;
-    LITHE_TRY(step(ctx, run, dt, begin + dt * (double)(i + 1)));
+    LITHE_TRY(step(ctx, run, dt, begin + dt * (i + 1)));
   }
   lth_simulation_set_time(run->world->sim, end);
   return LITHE_OK;
 }
 
-static LitheStatus simulate(LitheCtx *ctx, Run *run) {
-  if (run->schedule.writes_start) LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
-  for (LitheIndex k = 1; k <= run->schedule.n_outputs; k++) {
-    LITHE_TRY(advance(ctx, run, k));
+static LitheStatus go_on(LitheCtx *ctx, Run *run) {
+  if (!run->resume && run->schedule.writes_start)
     LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
+  for (; run->place.output <= run->schedule.n_outputs; run->place.output++) {
+    LITHE_TRY(advance(ctx, run));
+    LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
+    run->place.step = 0;
   }
   return lth_simulation_report(run->world->sim)->converged ? LITHE_OK : LITHE_NOT_CONVERGED;
+}
+
+static LitheStatus simulate(LitheCtx *ctx, Run *run) {
+  LitheStatus status = go_on(ctx, run);
+  if (status != LITHE_INTERRUPTED || !run->checkpoint.scene) return status;
+  LITHE_TRY(lth_checkpoint_write_last(ctx, &run->checkpoint));
+  return lth_fail(ctx, status, "interrupted; `lithe run --resume %s` goes on from here",
+                  run->folder);
 }
 
 /// Condition number and matrix file, where the scene asks for them.
@@ -138,13 +155,34 @@ static bool has_result(LitheStatus status) {
   return status == LITHE_OK || status == LITHE_NOT_CONVERGED || status == LITHE_INTERRUPTED;
 }
 
-static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
+/// Everything built, and the state that a checkpoint holds put into it: nothing of an earlier run is touched
+/// before that has come out well.
+static LitheStatus build(LitheCtx *ctx, Run *run) {
   double spent[2];
+  uint64_t inputs = lth_inputs(ctx);
   LITHE_TRY(lth_world_create(ctx, run->scene, spent, &run->world));
   LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   run->times.mesh = spent[0];
   run->times.integrate = spent[1];
-  LitheStatus status = lth_output_open(ctx, result->folder, run->world, &run->schedule, &run->out);
+  uint64_t digest = run->scene->digest + (lth_inputs(ctx) - inputs);
+  LITHE_TRY(lth_checkpoint_open(ctx, run->scene, run->folder, digest, &run->checkpoint));
+  run->place = (LthPlace){.output = 1};
+  if (!run->resume) return LITHE_OK;
+  LITHE_TRY(lth_resume_check(ctx, run->resume, digest));
+  LITHE_TRY(lth_resume_world(ctx, run->resume, run->world));
+  run->place = run->resume->place;
+  return LITHE_OK;
+}
+
+static LitheStatus open_output(LitheCtx *ctx, Run *run) {
+  LITHE_TRY(lth_output_open(ctx, run->folder, run->world, &run->schedule, run->resume != NULL,
+                            &run->out));
+  return run->resume ? lth_resume_output(ctx, run->resume, &run->out) : LITHE_OK;
+}
+
+static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
+  LITHE_TRY(build(ctx, run));
+  LitheStatus status = open_output(ctx, run);
   if (status == LITHE_OK) status = simulate(ctx, run);
   if (has_result(status)) {
     LitheStatus concluded = conclude(ctx, run, status, result);
@@ -166,17 +204,61 @@ static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
   return status;
 }
 
-LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
-                      LitheResult **result) {
-  Run run = {.scene = scene->scene, .start = lth_now()};
+static LitheStatus start(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                         LthResume *resume, LitheResult **result) {
+  Run run = {.scene = scene->scene, .start = lth_now(), .resume = resume};
   LTH_NEW(ctx, *result, 1);
   LITHE_TRY(name_folder(ctx, run.scene, folder, &(*result)->folder));
+  run.folder = (*result)->folder;
   int threads = lth_threads(ctx);
   if (run.scene->threads > 0) lth_set_threads(ctx, run.scene->threads);
   run.times.read = scene->read_seconds;
   run.schedule = lth_schedule_make(run.scene);
   LitheStatus status = run_scene(ctx, &run, *result);
+  lth_checkpoint_close(ctx, &run.checkpoint);
   lth_world_destroy(ctx, &run.world);
   lth_set_threads(ctx, threads);
+  return status;
+}
+
+LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                      LitheResult **result) {
+  return start(ctx, scene, folder, NULL, result);
+}
+
+LitheStatus lithe_resume(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                         LitheResult **result) {
+  LthResume resume;
+  LitheStatus status = lth_resume_open(ctx, folder, &resume);
+  if (status == LITHE_OK) status = start(ctx, scene, folder, &resume, result);
+  lth_resume_close(ctx, &resume);
+  return status;
+}
+
+/// The overrides of the run and those of `def` behind them.
+static LitheStatus read_again(LitheCtx *ctx, const LthResume *resume, const LitheSceneDef *def,
+                              LitheScene **scene) {
+  const char **overrides = NULL;
+  LitheCount n = resume->n_overrides;
+  LTH_NEW(ctx, overrides, n + def->n_overrides);
+  for (LitheCount i = 0; i < n; i++) overrides[i] = resume->overrides[i];
+  for (int i = 0; i < def->n_overrides; i++) overrides[n + i] = def->overrides[i];
+  LitheSceneDef again = *def;
+  again.file = resume->scene_path;
+  again.overrides = overrides;
+  again.n_overrides = (int)n + def->n_overrides;
+  LitheStatus status = lithe_scene_read(ctx, &again, scene);
+  if (status == LITHE_OK) status = lth_scene_rename(ctx, (*scene)->scene, resume->scene_file);
+  lth_free(ctx, overrides);
+  return status;
+}
+
+LitheStatus lithe_resume_read(LitheCtx *ctx, const char *folder, const LitheSceneDef *def,
+                              LitheScene **scene) {
+  LthResume resume;
+  *scene = NULL;
+  LitheStatus status = lth_resume_open(ctx, folder, &resume);
+  if (status == LITHE_OK) status = read_again(ctx, &resume, def, scene);
+  lth_resume_close(ctx, &resume);
   return status;
 }

@@ -1,6 +1,7 @@
 /// Reading a scene from beginning to end, and freeing it.
 #include "scene/scene.h"
 
+#include "base/digest.h"
 #include "io/file.h"
 #include "scene/override.h"
 #include "scene/reader.h"
@@ -18,6 +19,7 @@ typedef struct Source {
   const char *const *overrides;
   int n_overrides;
   const char *defects_path;
+  uint64_t inputs; ///< the context's, before the file was read
 } Source;
 
 static LitheStatus read_parts(LthReader *r) {
@@ -81,6 +83,21 @@ static LitheStatus fail_with_errors(LthReader *r, LthSceneErrors *errors) {
              r->report->n, first);
 }
 
+/// Keep the overrides, and what they and all files say, in short. The number of threads changes no bit of a
+/// run.
+static void keep_identity(LthReader *r, const Source *source, uint64_t inputs) {
+  LthScene *scene = r->scene;
+  scene->digest = inputs;
+  scene->overrides =
+      lth_arena_take(r->arena, sizeof *scene->overrides * (size_t)source->n_overrides);
+  for (int i = 0; i < source->n_overrides && !r->arena->failed; i++) {
+    const char *text = source->overrides[i];
+    scene->overrides[scene->n_overrides++] = lth_arena_text(r->arena, text, strlen(text));
+    if (strncmp(text, "solver.threads=", 15) != 0)
+      scene->digest = lth_digest(text, strlen(text), scene->digest);
+  }
+}
+
 static LitheStatus read_source(LitheCtx *ctx, const Source *source, LthSceneErrors *errors,
                                LthScene **scene) {
   LitheStatus status = LITHE_OK;
@@ -101,6 +118,7 @@ static LitheStatus read_source(LitheCtx *ctx, const Source *source, LthSceneErro
                       .opens_files = source->name != NULL};
   set_names(&reader, name);
   if (!owned->arena.failed) LITHE_TRY_OR(done, check_and_read(&reader, source));
+  keep_identity(&reader, source, lth_inputs(ctx) - source->inputs);
   if (owned->arena.failed)
     status = lth_fail(ctx, LITHE_NO_MEMORY, "out of memory while reading %s", name);
   else if (report.n > 0)
@@ -118,7 +136,9 @@ LitheStatus lth_scene_read_text(LitheCtx *ctx, const char *name, const char *tex
                    .text = text,
                    .length = length,
                    .overrides = overrides,
-                   .n_overrides = n_overrides};
+                   .n_overrides = n_overrides,
+                   .inputs = lth_inputs(ctx)};
+  lth_note_input(ctx, lth_digest(text, length, 0));
   return read_source(ctx, &source, errors, scene);
 }
 
@@ -143,7 +163,8 @@ LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *o
   Source source = {.name = file,
                    .overrides = overrides,
                    .n_overrides = n_overrides,
-                   .defects_path = defects_path};
+                   .defects_path = defects_path,
+                   .inputs = lth_inputs(ctx)};
   LITHE_TRY(check_file(ctx, file));
   LITHE_TRY(lth_file_read(ctx, file, &text, &source.length));
   source.text = text;
@@ -155,6 +176,14 @@ LitheStatus lth_scene_read(LitheCtx *ctx, const char *file, const char *const *o
 LitheStatus lth_scene_check_values(LitheCtx *ctx, const LthScene *scene) {
   const LthSceneOwned *owned = scene->owned;
   return owned ? lth_expression_list_check(ctx, &owned->expressions) : LITHE_OK;
+}
+
+LitheStatus lth_scene_rename(LitheCtx *ctx, LthScene *scene, const char *file) {
+  LthSceneOwned *owned = scene->owned;
+  char *name = lth_arena_text(&owned->arena, file, strlen(file));
+  if (!name) LITHE_FAIL(ctx, LITHE_NO_MEMORY, "out of memory while reading %s", file);
+  scene->file = name;
+  return LITHE_OK;
 }
 
 static void free_body(LitheCtx *ctx, LthSceneBody *body) {

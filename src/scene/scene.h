@@ -118,6 +118,11 @@ typedef struct LthScene {
   bool fields_vtu;
   bool surface_pc2, surface_obj, surface_ply, surface_stl;
   bool output_in_file_space;
+  double checkpoint_period; ///< of wall clock [s]; negative: no checkpoints
+  char **overrides;         ///< of the command line, as given                    (n_overrides)
+  int n_overrides;
+  uint64_t
+      digest;  ///< of the file, of all files that it names, and of the overrides but for threads
   void *owned; ///< expressions and strings behind the values
 } LthScene;
 
@@ -147,5 +152,8 @@ LitheStatus lth_scene_read_text(LitheCtx *ctx, const char *name, const char *tex
 /// LITHE_BAD_INPUT where an expression of the scene has come out infinite or undefined by now; the message
 /// names it, the place and the time.
 LitheStatus lth_scene_check_values(LitheCtx *ctx, const LthScene *scene);
+
+/// Let `file` be the name that results tell for this scene, wherever it was read from.
+LitheStatus lth_scene_rename(LitheCtx *ctx, LthScene *scene, const char *file);
 
 void lth_scene_destroy(LitheCtx *ctx, LthScene **scene);

@@ -23,8 +23,9 @@ static LitheStatus check_options(LitheCtx *ctx, const LthStepOptions *o) {
 }
 
 static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
-  double **vectors[] = {&s->x_rest, &s->x,    &s->v,   &s->u,        &s->f_ext,  &s->f0,
-                        &s->force,  &s->base, &s->rhs, &s->solution, &s->driven, &s->scratch};
+  double **vectors[] = {&s->x_rest, &s->x,       &s->v,       &s->u,   &s->f_ext,
+                        &s->f0,     &s->force,   &s->base,    &s->rhs, &s->solution,
+                        &s->driven, &s->scratch, &s->factor_x};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
   LTH_NEW(ctx, s->mass, s->n / 3);
   LTH_NEW(ctx, s->row_mass, s->n / 3);
@@ -85,9 +86,10 @@ done:
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   if (!sim || !*sim) return;
   LthSimulation *s = *sim;
-  double *vectors[] = {s->x_rest, s->x,   s->v,    s->u,        s->f_ext,    s->f0,      s->force,
-                       s->base,   s->rhs, s->best, s->solution, s->driven,   s->scratch, s->mass,
-                       s->extra,  s->cm,  s->ck,   s->start,    s->f_before, s->row_mass};
+  double *vectors[] = {s->x_rest,   s->x,        s->v,       s->u,    s->f_ext,    s->f0,
+                       s->force,    s->base,     s->rhs,     s->best, s->solution, s->driven,
+                       s->scratch,  s->mass,     s->extra,   s->cm,   s->ck,       s->start,
+                       s->f_before, s->row_mass, s->factor_x};
   lth_free(ctx, s->freedom);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_anderson_destroy(ctx, &s->anderson);

@@ -71,6 +71,11 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *sim, double dt);
 /// residual came below newton_tolerance.
 LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *sim, double t);
 
+/// All that the next step depends on: state, totals, contact's memory, what the choice of a solver has
+/// learnt, and the kept factor (as the state that it was made from: reading makes it again). Walks outwards
+/// or inwards; inwards `sim` was created from the same definition.
+void lth_simulation_archive(LthSimulation *sim, LthArchive *archive);
+
 /// Recompute energies, momenta and work of the present state.
 void lth_simulation_measure(LitheCtx *ctx, LthSimulation *sim);
 const LthStepReport *lth_simulation_report(const LthSimulation *sim);

@@ -32,7 +32,9 @@ struct LthSimulation {
   LitheIndex n_tallied[2];
   bool no_lag;                            // no factor can be used
   bool fresh, stale;                      // made in this step; to be made again
-  double factor_step;                     // of what matrix: its time step
+  bool has_lagged;                        // one has been made
+  double factor_step, factor_t;           // of what matrix: its time step, and when
+  double *factor_x;                       // and from what state it was assembled           (n)
   LitheIndex fresh_iterations, age, life; // age in steps, and that which the factor before reached
   double age_cost;                        // of the iterations that its age has added
 
@@ -64,6 +66,9 @@ void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck, dou
 
 /// base -= A driven; rows and columns of held unknowns become those of the identity.
 void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
+
+/// Ordering and symbolic analysis of A, once.
+LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s);
 
 /// Factor or precondition A as it stands (without contact).
 LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s);

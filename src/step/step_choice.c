@@ -3,6 +3,7 @@
 #include "step/simulation_priv.h"
 
 #include <math.h>
+#include <string.h>
 #include <unistd.h>
 
 #define CHOLESKY_MAX_UNKNOWNS 400000 // the analysis alone takes seconds beyond
@@ -11,7 +12,7 @@
 #define RETRY 12                     // steps after which the other solver is tried again
 #define CHOLESKY_MAX_FLOPS 1e12      // about half a minute on one core
 
-static LitheStatus analyse(LitheCtx *ctx, LthSimulation *s) {
+LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s) {
   if (s->factor) return LITHE_OK;
   s->engine = lth_engine_find("cholesky");
   if (!s->engine)
@@ -29,7 +30,8 @@ static double memory_limit(const LthStepOptions *o) {
 
 static const char *why_not_cholesky(LitheCtx *ctx, LthSimulation *s) {
   if (s->n > CHOLESKY_MAX_UNKNOWNS) return "more than 400000 unknowns";
-  if (analyse(ctx, s) != LITHE_OK) return "the sparse Cholesky could not analyse the matrix";
+  if (lth_step_analyse(ctx, s) != LITHE_OK)
+    return "the sparse Cholesky could not analyse the matrix";
   double bytes, flops;
   s->engine->predict(s->factor, &bytes, &flops);
   if (bytes > memory_limit(&s->options)) return "the Cholesky factor would not fit in memory";
@@ -38,7 +40,7 @@ static const char *why_not_cholesky(LitheCtx *ctx, LthSimulation *s) {
 }
 
 static LitheStatus take_cholesky(LitheCtx *ctx, LthSimulation *s, const char *reason) {
-  LITHE_TRY(analyse(ctx, s));
+  LITHE_TRY(lth_step_analyse(ctx, s));
   s->use_cholesky = true;
   s->report.linear = "cholesky";
   s->report.linear_reason = reason;
@@ -100,7 +102,7 @@ static bool factor_pays(LthSimulation *s) {
 
 static LitheStatus choose_dynamic(LitheCtx *ctx, LthSimulation *s) {
   if (!s->factor && s->n <= LAGGED_MAX_UNKNOWNS && !s->no_lag)
-    s->no_lag = analyse(ctx, s) != LITHE_OK;
+    s->no_lag = lth_step_analyse(ctx, s) != LITHE_OK;
   if (s->factor && !s->no_lag && factor_pays(s))
     return take_cholesky(ctx, s,
                          "a factor kept over some steps costs less than the iterations it saves");
@@ -144,7 +146,9 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
   }
   if (lags) {
     s->factor_step = h;
-    s->fresh = true;
+    s->factor_t = s->t + h;
+    memcpy(s->factor_x, s->x, sizeof *s->x * (size_t)s->n);
+    s->has_lagged = s->fresh = true;
     s->stale = false;
     s->age_cost = 0;
   }

@@ -27,6 +27,7 @@ typedef struct LthCoupling {
   void (*add)(void *self, double t, LthBlockMatrix *A, double *f0); ///< A += K, f0 += f0
   void (*add_load)(void *self, double t, double *f0);
   double (*energy)(void *self, double t, const double *x);
+  void (*archive)(void *self, LthArchive *archive); ///< memory from step to step; NULL: it has none
 } LthCoupling;
 
 typedef struct LthSystemDef {

@@ -10,7 +10,8 @@ check("unknown_option_gets_the_nearest", ["run", "a.yaml", "--theads", "2"], sta
 check("option_of_another_command_is_refused", ["info", "--set", "a=b"], status=2,
       err="lithe: unknown option '--set' for info; did you mean '--help'?\n")
 check("missing_scene_is_named", ["run"], status=2,
-      err="lithe: run: a scene file is missing\nusage: lithe run SCENE [-o DIR] [options]\n")
+      err="lithe: run: a scene file is missing\nusage: lithe run SCENE [-o DIR] [options]\n"
+      "       lithe run --resume DIR [options]\n")
 check("second_scene_is_refused", ["check", "a.yaml", "b.yaml"], status=2,
       err="lithe: check: one word too many: 'b.yaml'\nusage: lithe check SCENE [options]\n")
 check("missing_value_is_named", ["run", "a.yaml", "-o"], status=2,

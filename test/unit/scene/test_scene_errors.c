@@ -106,9 +106,6 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("output.fields=[vti]",
                         "--set output.fields=[vti]: output.fields.0: " UNBUILT
                         "\"vti\"; available: vtu or none");
-  EXPECT_OVERRIDE_ERROR("output.checkpoint=1",
-                        "--set output.checkpoint=1: output.checkpoint: " UNBUILT
-                        "\"1\"; leave it out");
 }
 
 static void takes_empty_keys_that_ask_for_nothing(void **state) {

@@ -1,0 +1,179 @@
+"""A run that was killed or interrupted goes on with the same bits as one that was not."""
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+
+from cli import PROGRAM, done, expect, folder, run
+
+os.environ["OMP_WAIT_POLICY"] = "passive"  # other tests want their cores
+
+DROP = """lithe: 1
+bodies:
+  - name: block
+    shape: {box: {min: [0, 0.002, 0], max: [0.1, 0.102, 0.1]}}
+    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
+    method: {kind: dg, mesh: hexahedra, cells: 3, degree: 1}
+    embed: {surface: shape}
+    initial: {velocity: [0.3, -0.5, 0.1]}
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
+contact: {friction: 0.3}
+time: {kind: dynamic, duration: 0.3, step: 1/200}
+probes: [{name: corner, point: [0.1, 0.102, 0.1]}]
+output: {every: 1/50, fields: [vtu], surface: [pc2, obj], checkpoint: 0}
+"""
+BEND = """lithe: 1
+bodies:
+  - name: bar
+    shape: {box: {min: [0, 0, 0], max: [4, 1, 1]}}
+    material: {model: corotated, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
+    method: {kind: dg, mesh: hexahedra, cells: [6, 2, 2], degree: 1}
+    constraints:
+      - {where: {box: {min: [-1, -1, -1], max: [0.01, 2, 2]}}, displacement: [0, 0, 0]}
+      - {where: {box: {min: [3.99, -1, -1], max: [5, 2, 2]}}, displacement: [0, "-t*t", 0], enforce: strong}
+time: {kind: quasistatic, steps: 8, duration: 1}
+probes: [{name: tip, point: [4, 0.5, 0.5]}]
+output: {fields: [vtu], checkpoint: 0}
+"""
+
+
+def write(directory, name, text):
+    with open(os.path.join(directory, name), "w") as file:
+        file.write(text)
+
+
+def rows(out):
+    try:
+        return len(open(os.path.join(out, "history.csv")).read().splitlines())
+    except FileNotFoundError:
+        return 0
+
+
+def kill_after(directory, args, out, n_rows, number):
+    """Start a run and end it by a signal once its history has so many rows."""
+    process = subprocess.Popen([PROGRAM, "run", *args, "-q"], cwd=directory, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    checkpoint = os.path.join(out, "checkpoint")
+    while (rows(out) < n_rows or not os.path.exists(checkpoint)) and process.poll() is None and time.monotonic() < deadline:
+        time.sleep(0.001)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=60)
+    return process.returncode, err
+
+
+def contents(out):
+    """Every file's bytes; of result.json what is not time or memory. The checkpoint has times inside."""
+    files = {}
+    for name in sorted(os.listdir(out)):
+        if name == "checkpoint":
+            continue
+        data = open(os.path.join(out, name), "rb").read()
+        if name == "result.json":
+            result = json.loads(data)
+            for key in ("time", "memory", "threads"):
+                del result[key]
+            data = json.dumps(result).encode()
+        files[name] = data
+    return files
+
+
+def differences(a, b):
+    a, b = contents(a), contents(b)
+    return [name for name in sorted(set(a) | set(b)) if a.get(name) != b.get(name)]
+
+
+def check_resumes(what, scene, places, sets=()):
+    """Kill at several places, go on, compare every file with those of an uninterrupted run."""
+    options = [x for s in sets for x in ("--set", s)]
+    with folder() as d:
+        write(d, "scene.yaml", scene)
+        reference = os.path.join(d, "reference")
+        got = run("run", "scene.yaml", "-q", "-o", "reference", "--threads", "1", *options, cwd=d)
+        expect(what + ": the uninterrupted run ends well", got.returncode == 0, got.stderr)
+        again = os.path.join(d, "plain")
+        got = run("run", "scene.yaml", "-q", "-o", "plain", "--set", "output.checkpoint=1e9", *options, cwd=d)
+        expect(what + ": checkpoints change nothing", not differences(reference, again), differences(reference, again))
+        for n_rows, number in places:
+            out = os.path.join(d, "out-%d-%d" % (n_rows, number))
+            name = os.path.basename(out)
+            first = ["scene.yaml", "-o", name, "--threads", "2", *options]
+            status, err = kill_after(d, first, out, n_rows, number)
+            if number == signal.SIGKILL:
+                expect("%s: killed at row %d" % (what, n_rows), status in (-signal.SIGKILL, 0), (status, err))
+            else:
+                expect("%s: interrupted at row %d" % (what, n_rows), status in (130, 0) and
+                       (status == 0 or err == "lithe: interrupted; `lithe run --resume %s` goes on from here\n" % name),
+                       (status, err))
+            # once more: what has been resumed can be resumed
+            kill_after(d, ["--resume", name, "--threads", "1"], out, n_rows + 2, signal.SIGKILL)
+            # from elsewhere, by another path
+            got = run("run", "--resume", out, "-q", cwd="/")
+            expect("%s: goes on after row %d" % (what, n_rows), got.returncode == 0, got.stderr)
+            expect("%s: the same bits after row %d" % (what, n_rows), not differences(reference, out),
+                   differences(reference, out))
+
+
+check_resumes("drop", DROP, [(2, signal.SIGKILL), (6, signal.SIGINT), (11, signal.SIGTERM), (13, signal.SIGKILL)])
+check_resumes("bend", BEND, [(3, signal.SIGKILL), (6, signal.SIGINT)])
+check_resumes("drop by pcg", DROP, [(6, signal.SIGKILL)], ["solver.linear=pcg"])
+
+
+# --- what cannot be resumed is told, and nothing is lost ---
+
+def refused(name, args, err, cwd):
+    before = contents(os.path.join(cwd, "out"))
+    got = run("run", *args, cwd=cwd)
+    expect(name, got.returncode == 2 and re.fullmatch(err, got.stderr), (got.returncode, got.stderr))
+    expect(name + "_and_touches_nothing", contents(os.path.join(cwd, "out")) == before)
+
+
+with folder() as d:
+    write(d, "scene.yaml", DROP)
+    kill_after(d, ["scene.yaml", "-o", "out"], os.path.join(d, "out"), 5, signal.SIGKILL)
+    path = os.path.join(d, "out", "checkpoint")
+    good = open(path, "rb").read()
+    resume = ["--resume", "out"]
+    write(d, "scene.yaml", DROP.replace("0.3, -0.5", "0.4, -0.5"))
+    refused("a_changed_scene_is_refused", resume, r"lithe: out/checkpoint: the scene scene\.yaml, a file that it names "
+            r"or an override differs from what .*; put it back, or run the scene anew\n", d)
+    os.remove(os.path.join(d, "scene.yaml"))
+    refused("a_missing_scene_is_named", resume, r"lithe: /.*/scene\.yaml: cannot be read: No such file or directory\n", d)
+    write(d, "scene.yaml", DROP)
+    for what, data in (("cut", good[:-1]), ("flipped", good[:500] + bytes([good[500] ^ 1]) + good[501:])):
+        open(path, "wb").write(data)
+        refused("a_%s_checkpoint_is_refused" % what, resume, r"lithe: out/checkpoint: the checkpoint is damaged: .*\n", d)
+    open(path, "wb").write(b"something else entirely, long enough to have a head")
+    refused("a_foreign_file_is_refused", resume, r"lithe: out/checkpoint: this is not a checkpoint of lithe\n", d)
+    open(path, "wb").write(good)
+    shutil.move(os.path.join(d, "out", "surface.pc2"), os.path.join(d, "kept"))
+    got = run("run", *resume, cwd=d)
+    expect("a_missing_cache_is_named", got.returncode == 2 and "out/surface.pc2: the file is gone" in got.stderr, got.stderr)
+    shutil.move(os.path.join(d, "kept"), os.path.join(d, "out", "surface.pc2"))
+    got = run("run", *resume, "-q", cwd=d)
+    expect("and_put_back_it_goes_on", got.returncode == 0, got.stderr)
+    os.remove(path)
+    refused("no_checkpoint_is_named", resume, r"lithe: out: there is no checkpoint in this folder to go on from; .*\n", d)
+    refused("no_folder_is_named", ["--resume", "nowhere"], r"lithe: nowhere: there is no checkpoint .*\n", d)
+    for option in (["scene.yaml"], ["-o", "other"], ["--set", "time.duration=1"]):
+        refused("resume_alone_is_enough_%s" % option[0].strip("-"), resume + option,
+                r"lithe: run: --resume DIR finds the scene, its values and its folder itself; leave '.*' out\n", d)
+
+with folder() as d:  # a mesh file is part of the scene
+    write(d, "box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    write(d, "scene.yaml", DROP.replace("{box: {min: [0, 0.002, 0], max: [0.1, 0.102, 0.1]}}",
+                                        "{mesh: {file: box.obj, fit: 0.1}}").replace("mesh: hexahedra, ", "")
+          .replace("point: [0.1, 0.102, 0.1]", "point: [0, 0.01, 0]"))
+    kill_after(d, ["scene.yaml", "-o", "out"], os.path.join(d, "out"), 4, signal.SIGKILL)
+    text = open(os.path.join(d, "box.obj")).read()
+    write(d, "box.obj", text.replace("v 1 0 0", "v 1.0001 0 0"))
+    refused("a_changed_mesh_is_refused", ["--resume", "out"], r"lithe: out/checkpoint: the scene .* differs .*\n", d)
+    write(d, "box.obj", text)
+    got = run("run", "--resume", "out", "-q", cwd=d)
+    expect("the_mesh_put_back_it_goes_on", got.returncode == 0, got.stderr)
+done()
