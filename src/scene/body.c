@@ -38,8 +38,17 @@ double *lth_body_velocity(const LthBody *body) {
   return lth_simulation_velocity(body->sim) + body->first;
 }
 
+static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
+  uint8_t *degree = NULL;
+  LTH_NEW(ctx, degree, body->mesh->n_cells);
+  LitheStatus status = lth_build_degrees(ctx, body, degree);
+  if (status == LITHE_OK) status = lth_dg_space_create(ctx, body->mesh, 0, degree, &body->space);
+  lth_free(ctx, degree);
+  return status;
+}
+
 LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
-  LITHE_TRY(lth_dg_space_create(ctx, body->mesh, body->def->degree, NULL, &body->space));
+  LITHE_TRY(build_space(ctx, body));
   LITHE_TRY(lth_build_material(ctx, body));
   LITHE_TRY(lth_build_constraints(ctx, body));
   LITHE_TRY(lth_build_loads(ctx, body));

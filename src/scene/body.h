@@ -71,6 +71,8 @@ double *lth_body_velocity(const LthBody *body);
 
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);
+/// Degree of each element of the mesh (n_cells). LITHE_BAD_INPUT: out of range somewhere.
+LitheStatus lth_build_degrees(LitheCtx *ctx, const LthBody *body, uint8_t *degree);
 LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body);

@@ -9,14 +9,22 @@
 #define SOLVE_BYTES 6e9    // triangular solves and products read the matrix [byte/s]
 #define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
 
-/// Pattern of the system matrix, which the mesh and the degree alone decide.
-static LitheStatus make_pattern(LitheCtx *ctx, const LthMesh *mesh, LitheIndex n_funcs,
-                                LthBlockMatrix **A) {
+/// Pattern of the system matrix, which the mesh and the degrees alone decide.
+static LitheStatus make_pattern(LitheCtx *ctx, const LthBody *body, LthBlockMatrix **A) {
+  LitheStatus status = LITHE_OK;
+  const LthMesh *mesh = body->mesh;
   LitheIndex *func_off = NULL;
-  LTH_NEW(ctx, func_off, (LitheCount)mesh->n_cells + 1);
-  for (LitheIndex c = 0; c < mesh->n_cells; c++) func_off[c + 1] = func_off[c] + n_funcs;
-  LitheStatus status = lth_dg_pattern_create(ctx, mesh, func_off, A);
+  uint8_t *degree = NULL;
+  LTH_NEW_OR(done, ctx, func_off, (LitheCount)mesh->n_cells + 1);
+  LTH_NEW_OR(done, ctx, degree, mesh->n_cells);
+  LITHE_TRY_OR(done, lth_build_degrees(ctx, body, degree));
+  for (LitheIndex c = 0; c < mesh->n_cells; c++)
+    func_off[c + 1] = func_off[c] + lth_monomials3(degree[c]);
+  LITHE_TRY_OR(done, lth_dg_pattern_create(ctx, mesh, func_off, A));
+
+done:
   lth_free(ctx, func_off);
+  lth_free(ctx, degree);
   return status;
 }
 
@@ -54,7 +62,7 @@ static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, double *bytes, d
   const LthMesh *mesh = body->mesh;
   LthBlockMatrix *A = NULL;
   double more_bytes, more_flops;
-  LITHE_TRY_OR(done, make_pattern(ctx, mesh, lth_monomials3(body->def->degree), &A));
+  LITHE_TRY_OR(done, make_pattern(ctx, body, &A));
   LITHE_TRY_OR(done, predict_factor(ctx, A, &more_bytes, &more_flops));
   *bytes += more_bytes;
   *flops += more_flops;

@@ -35,7 +35,8 @@ static LitheStatus add_displacement(LitheCtx *ctx, const LthBody *body,
     LitheIndex n;
     double *points, *weights;
     figures->max = fmax(figures->max, largest_at_corners(body, c, u));
-    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2, &n, &points, &weights));
+    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, body->disc->cell_degree[c] + 1, &n,
+                                     &points, &weights));
     for (LitheIndex q = 0; q < n; q++) {
       double value[3];
       lth_disc_sample(body->disc, c, u, points + 3 * (LitheCount)q, value);

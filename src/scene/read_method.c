@@ -45,7 +45,8 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   const LthNode *grid = lth_node_get(node, "grid");
   body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
   body->flux = (LthFlux)lth_read_word(node, "flux", fluxes);
-  body->degree = lth_read_integer(node, "degree", 1);
+  body->degree_at = lth_read_value(node, "degree");
+  body->degree = body->degree_at.eval ? 0 : lth_read_integer(node, "degree", 1);
   body->sliver = lth_read_number(node, "sliver", 0.05);
   read_cells(lth_node_get(node, "cells"), body->resolution.cells);
   body->resolution.cell_size = lth_read_number(node, "cell_size", 0);

@@ -13,12 +13,26 @@ static const char *status_word(LitheStatus status) {
   return status == LITHE_INTERRUPTED ? "interrupted" : "not converged";
 }
 
-static void put_method(LthJson *json, const LthSceneBody *def) {
+/// A number, or the lowest and the highest.
+static void put_degree(LthJson *json, const LthDisc *disc) {
+  double range[2] = {INFINITY, 0};
+  for (LitheIndex c = 0; c < disc->mesh->n_cells; c++) {
+    range[0] = fmin(range[0], disc->cell_degree[c]);
+    range[1] = fmax(range[1], disc->cell_degree[c]);
+  }
+  if (range[0] == range[1])
+    lth_json_integer(json, "degree", (LitheCount)range[0]);
+  else
+    lth_json_vector(json, "degree", 2, range);
+}
+
+static void put_method(LthJson *json, const LthBody *body) {
+  const LthSceneBody *def = body->def;
   static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra"};
   lth_json_begin_object(json, "method");
   lth_json_string(json, "kind", "dg");
   lth_json_string(json, "mesh", meshes[def->mesh_kind]);
-  lth_json_integer(json, "degree", def->degree);
+  put_degree(json, body->disc);
   lth_json_string(json, "flux", def->flux == LTH_FLUX_IP ? "ip" : "bz");
   lth_json_end_object(json);
 }
@@ -65,7 +79,7 @@ static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) volume += body->mesh->cell_volume[c];
   lth_json_begin_object(json, NULL);
   lth_json_string(json, "name", body->def->name);
-  put_method(json, body->def);
+  put_method(json, body);
   lth_json_integer(json, "elements", body->mesh->n_cells);
   lth_json_integer(json, "dofs", body->disc->n_dofs);
   lth_json_integer(json, "nonzeros",

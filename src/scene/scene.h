@@ -55,7 +55,8 @@ typedef struct LthSceneBody {
   LitheIndex n_materials;
   LthMeshKind mesh_kind;
   LthResolution resolution;
-  int degree;
+  int degree;         ///< of every element; 0: `degree_at`
+  LthValue degree_at; ///< an expression of x, y, z, taken at centroids and rounded
   LthFlux flux;
   LthPenaltyKind penalty;
   double eta;
