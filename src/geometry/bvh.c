@@ -124,7 +124,7 @@ void lth_bvh_destroy(LitheCtx *ctx, LthBvh **bvh) {
   lth_free(ctx, t->first);
   lth_free(ctx, t->count);
   lth_free(ctx, t->tri_normal);
-  lth_free(ctx, t->edge_normal);
+  lth_free(ctx, t->across);
   lth_free(ctx, t->point_normal);
   lth_free(ctx, t);
   *bvh = NULL;

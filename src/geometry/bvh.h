@@ -15,7 +15,7 @@ typedef struct LthBvh {
   LitheIndex *count;         ///< (n_nodes)
   const LthSurface *surface; ///< borrowed for life; NULL for a tree over boxes
   double *tri_normal;        ///< unit                                       (n_tris x 3)
-  double *edge_normal;       ///< of the edge from corner k to k + 1         (n_tris x 3 x 3)
+  LitheIndex *across;        ///< triangle behind the edge from corner k to k + 1, -1 (n_tris x 3)
   double *point_normal;      ///< weighted by angles                         (n_points x 3)
 } LthBvh;
 
@@ -43,6 +43,28 @@ void lth_bvh_visit(const LthBvh *bvh, const double x[3], double reach, LthBvhVis
 /// Signed distance to the surface [m], negative inside; `normal` (may be NULL) is its unit gradient,
 /// the pseudonormal where x lies on the surface.
 double lth_bvh_signed_distance(const LthBvh *bvh, const double x[3], double normal[3]);
+
+/// After the points of the surface moved: boxes and normals anew, the tree stays.
+void lth_bvh_refit_surface(LthBvh *bvh);
+
+/// A point of the surface; `part` as lth_closest_on_triangle() says.
+typedef struct LthBvhPoint {
+  LitheIndex tri;
+  int part;
+  double point[3], distance; ///< from where it was sought [m]
+} LthBvhPoint;
+
+/// False for triangles that are passed over.
+typedef bool (*LthBvhAccept)(const void *self, LitheIndex tri);
+
+/// The point of the surface, or of the accepted triangles (NULL: all), that is closest to x; false where
+/// none is nearer than `reach` [m].
+bool lth_bvh_closest(const LthBvh *bvh, const double x[3], double reach, LthBvhAccept accept,
+                     const void *self, LthBvhPoint *closest);
+
+/// lth_bvh_signed_distance() where the closest point is known.
+double lth_bvh_gap(const LthBvh *bvh, const double x[3], const LthBvhPoint *closest,
+                   double normal[3]);
 
 /// Point of triangle abc closest to x, also of degenerate triangles. Returns the part it lies on:
 /// 0, 1, 2 corner; 3, 4, 5 edge from corner part - 3 to the next; 6 inside.

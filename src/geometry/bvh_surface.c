@@ -4,6 +4,7 @@
 #include "base/tensor.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const double *corner(const LthSurface *s, LitheIndex tri, int k) {
   return s->points + 3 * (size_t)s->tris[3 * (size_t)tri + (size_t)k];
@@ -87,6 +88,7 @@ static void make_tri_normals(const LthSurface *s, double *normal) {
 }
 
 static void make_point_normals(const LthSurface *s, const double *tri_normal, double *normal) {
+  memset(normal, 0, sizeof *normal * 3 * (size_t)s->n_points);
   for (LitheIndex t = 0; t < s->n_tris; t++)
     for (int k = 0; k < 3; k++) {
       double p[3], q[3], pq[3];
@@ -111,9 +113,9 @@ static int compare_edges(const void *a, const void *b) {
   return (p->half > q->half) - (p->half < q->half);
 }
 
-/// The normal of an edge is the sum of those of the triangles that share it.
-static LitheStatus make_edge_normals(LitheCtx *ctx, const LthSurface *s, const double *tri_normal,
-                                     double *normal) {
+/// The triangle across every edge, -1 where there is none; of more than two the next in order, so that the
+/// edges of a defective surface have some normal, too.
+static LitheStatus find_neighbours(LitheCtx *ctx, const LthSurface *s, LitheIndex *across) {
   Edge *edges = NULL;
   LitheIndex n = 3 * s->n_tris;
   LTH_NEW(ctx, edges, n);
@@ -123,22 +125,46 @@ static LitheStatus make_edge_normals(LitheCtx *ctx, const LthSurface *s, const d
   }
   qsort(edges, (size_t)n, sizeof *edges, compare_edges);
   for (LitheIndex i = 0, j; i < n; i = j) {
-    double sum[3] = {0, 0, 0};
-    for (j = i; j < n && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++)
-      lth_v3_axpy(1, tri_normal + 3 * (size_t)(edges[j].half / 3), sum);
-    for (LitheIndex k = i; k < j; k++) lth_v3_copy(sum, normal + 3 * (size_t)edges[k].half);
+    for (j = i; j < n && edges[j].low == edges[i].low && edges[j].high == edges[i].high;) j++;
+    for (LitheIndex k = i; k < j; k++)
+      across[edges[k].half] = j - i > 1 ? edges[k + 1 < j ? k + 1 : i].half / 3 : -1;
   }
   lth_free(ctx, edges);
   return LITHE_OK;
 }
 
-static void triangle_boxes(const LthSurface *s, double *boxes) {
-  for (LitheIndex t = 0; t < s->n_tris; t++)
-    for (int i = 0; i < 3; i++) {
-      double a = corner(s, t, 0)[i], b = corner(s, t, 1)[i], c = corner(s, t, 2)[i];
-      boxes[6 * (size_t)t + (size_t)i] = fmin(a, fmin(b, c));
-      boxes[6 * (size_t)t + 3 + (size_t)i] = fmax(a, fmax(b, c));
+static void triangle_box(const LthSurface *s, LitheIndex t, double box[6]) {
+  for (int i = 0; i < 3; i++) {
+    double a = corner(s, t, 0)[i], b = corner(s, t, 1)[i], c = corner(s, t, 2)[i];
+    box[i] = fmin(a, fmin(b, c));
+    box[3 + i] = fmax(a, fmax(b, c));
+  }
+}
+
+static void unite(double a[6], const double b[6]) {
+  for (int i = 0; i < 3; i++) {
+    a[i] = fmin(a[i], b[i]);
+    a[3 + i] = fmax(a[3 + i], b[3 + i]);
+  }
+}
+
+void lth_bvh_refit_surface(LthBvh *t) {
+  for (LitheIndex node = t->n_nodes - 1; node >= 0; node--) { // children come behind their parents
+    double *box = t->box + 6 * (size_t)node;
+    if (t->right[node] >= 0) {
+      memcpy(box, t->box + 6 * (size_t)(node + 1), 6 * sizeof *box);
+      unite(box, t->box + 6 * (size_t)t->right[node]);
+      continue;
     }
+    for (int i = 0; i < 3; i++) box[i] = INFINITY, box[3 + i] = -INFINITY;
+    for (LitheIndex i = t->first[node]; i < t->first[node] + t->count[node]; i++) {
+      double of_tri[6];
+      triangle_box(t->surface, t->item[i], of_tri);
+      unite(box, of_tri);
+    }
+  }
+  make_tri_normals(t->surface, t->tri_normal);
+  make_point_normals(t->surface, t->tri_normal, t->point_normal);
 }
 
 LitheStatus lth_bvh_create_surface(LitheCtx *ctx, const LthSurface *surface, LthBvh **bvh) {
@@ -146,72 +172,89 @@ LitheStatus lth_bvh_create_surface(LitheCtx *ctx, const LthSurface *surface, Lth
   double *boxes = NULL;
   *bvh = NULL;
   LTH_NEW(ctx, boxes, 6 * (LitheCount)surface->n_tris);
-  triangle_boxes(surface, boxes);
+  for (LitheIndex i = 0; i < surface->n_tris; i++) triangle_box(surface, i, boxes + 6 * (size_t)i);
   LITHE_TRY_OR(done, lth_bvh_create_boxes(ctx, surface->n_tris, boxes, bvh));
   LthBvh *t = *bvh;
   t->surface = surface;
   LTH_NEW_OR(done, ctx, t->tri_normal, 3 * (LitheCount)surface->n_tris);
-  LTH_NEW_OR(done, ctx, t->edge_normal, 9 * (LitheCount)surface->n_tris);
+  LTH_NEW_OR(done, ctx, t->across, 3 * (LitheCount)surface->n_tris);
   LTH_NEW_OR(done, ctx, t->point_normal, 3 * (LitheCount)surface->n_points);
   make_tri_normals(surface, t->tri_normal);
   make_point_normals(surface, t->tri_normal, t->point_normal);
-  LITHE_TRY_OR(done, make_edge_normals(ctx, surface, t->tri_normal, t->edge_normal));
+  LITHE_TRY_OR(done, find_neighbours(ctx, surface, t->across));
 done:
   lth_free(ctx, boxes);
   if (status != LITHE_OK) lth_bvh_destroy(ctx, bvh);
   return status;
 }
 
-/// The closest point found so far.
+/// A search for the closest point.
 typedef struct Closest {
   const LthSurface *surface;
-  double point[3], distance2;
-  LitheIndex tri;
-  int part;
+  LthBvhAccept accept;
+  const void *self;
+  LthBvhPoint *best;
 } Closest;
 
 static double tri_distance2(void *self, LitheIndex tri, const double x[3], double limit) {
-  Closest *best = self;
-  const LthSurface *s = best->surface;
+  Closest *closest = self;
+  const LthSurface *s = closest->surface;
   double q[3], d[3];
   int part = lth_closest_on_triangle(corner(s, tri, 0), corner(s, tri, 1), corner(s, tri, 2), x, q);
   lth_v3_sub(x, q, d);
   double d2 = lth_v3_dot(d, d);
-  if (!(d2 < limit)) return INFINITY;
-  lth_v3_copy(q, best->point);
-  best->tri = tri, best->part = part, best->distance2 = d2;
+  if (!(d2 < limit) || (closest->accept && !closest->accept(closest->self, tri))) return INFINITY;
+  *closest->best = (LthBvhPoint){.tri = tri, .part = part, .distance = sqrt(d2)};
+  lth_v3_copy(q, closest->best->point);
   return d2;
 }
 
-static const double *pseudonormal(const LthBvh *t, const Closest *c) {
-  size_t tri = (size_t)c->tri;
-  if (c->part == 6) return t->tri_normal + 3 * tri;
-  if (c->part >= 3) return t->edge_normal + 9 * tri + 3 * (size_t)(c->part - 3);
-  return t->point_normal + 3 * (size_t)t->surface->tris[3 * tri + (size_t)c->part];
+bool lth_bvh_closest(const LthBvh *t, const double x[3], double reach, LthBvhAccept accept,
+                     const void *self, LthBvhPoint *closest) {
+  Closest search = {t->surface, accept, self, closest};
+  double limit = reach * reach;
+  closest->tri = -1;
+  closest->distance = INFINITY;
+  return lth_bvh_nearest(t, x, tri_distance2, &search, &limit) >= 0;
 }
 
-double lth_bvh_signed_distance(const LthBvh *t, const double x[3], double normal[3]) {
-  Closest c = {.surface = t->surface, .tri = -1};
-  double limit = INFINITY, away[3];
-  lth_bvh_nearest(t, x, tri_distance2, &c, &limit);
-  if (c.tri < 0) { // no triangles, or x is not a number
-    if (normal) normal[0] = normal[1] = 0, normal[2] = 1;
-    return INFINITY;
+/// Sum of the unit normals of the triangles that meet in a point of the surface, by their angles.
+static void pseudonormal(const LthBvh *t, const LthBvhPoint *c, double normal[3]) {
+  size_t tri = (size_t)c->tri;
+  if (c->part < 3) {
+    lth_v3_copy(t->point_normal + 3 * (size_t)t->surface->tris[3 * tri + (size_t)c->part], normal);
+    return;
   }
-  const double *n = pseudonormal(t, &c);
-  lth_v3_sub(x, c.point, away);
-  double distance = sqrt(c.distance2), sign = lth_v3_dot(away, n) < 0 ? -1 : 1;
-  if (!normal) return sign * distance;
+  lth_v3_copy(t->tri_normal + 3 * tri, normal);
+  if (c->part == 6) return;
+  LitheIndex other = t->across[3 * tri + (size_t)(c->part - 3)];
+  if (other >= 0) lth_v3_axpy(1, t->tri_normal + 3 * (size_t)other, normal);
+}
+
+double lth_bvh_gap(const LthBvh *t, const double x[3], const LthBvhPoint *c, double normal[3]) {
+  double away[3], n[3];
+  pseudonormal(t, c, n);
+  lth_v3_sub(x, c->point, away);
+  double sign = lth_v3_dot(away, n) < 0 ? -1 : 1;
+  if (!normal) return sign * c->distance;
 
   // next to the surface the direction is all rounding: the pseudonormal is the gradient there
   const double *box = t->box;
   double size = fmax(box[3] - box[0], fmax(box[4] - box[1], box[5] - box[2]));
-  if (distance > 1e-9 * size) {
+  if (c->distance > 1e-9 * size) {
     lth_v3_copy(away, normal);
-    lth_v3_scale(sign / distance, normal);
+    lth_v3_scale(sign / c->distance, normal);
   } else {
     lth_v3_copy(n, normal);
     lth_v3_normalize(normal);
   }
-  return sign * distance;
+  return sign * c->distance;
+}
+
+double lth_bvh_signed_distance(const LthBvh *t, const double x[3], double normal[3]) {
+  LthBvhPoint closest;
+  if (lth_bvh_closest(t, x, INFINITY, NULL, NULL, &closest))
+    return lth_bvh_gap(t, x, &closest, normal);
+  if (normal) normal[0] = normal[1] = 0, normal[2] = 1; // no triangles, or x is not a number
+  return INFINITY;
 }
