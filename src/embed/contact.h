@@ -1,4 +1,4 @@
-/// Penalty contact of embedded points with rigid colliders, within the implicit solve.
+/// Penalty contact of embedded points with rigid colliders or other bodies, within the implicit solve.
 /// Kaufmann et al. 2009, section 8 (sign corrected: docs/theory/contact.md).
 #pragma once
 
@@ -36,12 +36,39 @@ typedef struct LthContactDef {
   double cell_size, body_size, body_weight; ///< [m], [m], [N], for auto
 } LthContactDef;
 
+/// A body in a contact of two: its points, and the closed surface that the other's points touch.
+typedef struct LthPairSide {
+  const char *name; ///< for messages, borrowed for life
+  const LthEmbedding
+      *points; ///< borrowed for life; points whose area is 0 carry the surface, and do not touch
+  const LthSurface *surface; ///< at rest, borrowed for life
+  const LitheIndex
+      *surface_point;      ///< embedded point of each of the surface's    (n_points of surface)
+  const uint8_t *excluded; ///< points that touch nothing (tied), or NULL     (n_points)
+  double modulus;          ///< largest lambda + 2 mu [Pa]
+  double cell_size, body_size, body_weight; ///< [m], [m], [N]
+} LthPairSide;
+
+/// Contact of two bodies, both ways: the points of each touch the surface of the other.
+typedef struct LthPairDef {
+  LthPairSide side[2];
+  double stiffness, friction, damping; ///< as in LthContactDef
+} LthPairDef;
+
+/// Contact of one body with colliders, or of two bodies with each other.
 typedef struct LthContact LthContact;
 
 /// Set up for a body; `ctx` is kept for its number of threads. What changes in a run (active points,
 /// anchors of friction, an automatic stiffness) is inside: one contact per moving body.
 LitheStatus lth_contact_create(LitheCtx *ctx, const LthContactDef *def, LthContact **contact);
+LitheStatus lth_contact_create_pair(LitheCtx *ctx, const LthPairDef *def, LthContact **contact);
 void lth_contact_destroy(LitheCtx *ctx, LthContact **contact);
+
+/// Bodies of a contact: 1 with colliders, else 2.
+int lth_contact_sides(const LthContact *contact);
+
+/// Where a body stands in the vectors and diagonal blocks given to the functions below; 0 at first.
+void lth_contact_place(LthContact *contact, int side, LitheCount first_dof, LitheCount first_block);
 
 /// Find the points that may touch in the step t -> t + dt, from displacement u and velocity v
 /// (coefficients). Returns the number of those that are active at first: in a collider if they went on as

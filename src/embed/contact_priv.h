@@ -1,79 +1,146 @@
-/// The inside of LthContact: points near colliders, and the samples that they hang on.
+/// The inside of LthContact: what may touch what, and the samples that touching points hang on.
 #pragma once
 
-#include "embed/collider.h"
 #include "embed/contact.h"
 
-/// A point near a collider. Equations: docs/theory/contact.md.
+/// An embedded point that takes part in a touch, with its weight in the relative velocity.
+typedef struct LthLeg {
+  int side;
+  LitheIndex point;
+  double weight;
+} LthLeg;
+
+#define LTH_LEGS_MAX 4 ///< a point and the corners of a triangle
+
+/// A point near a collider or another body. Equations: docs/theory/contact.md. Velocities are relative to the other
+/// body's material; that of a rigid collider, known beforehand, is kept apart in `velocity`.
 typedef struct LthTouch {
-  LitheIndex point, collider;
+  int side;         ///< whose point
+  LitheIndex other; ///< collider; 0 in contacts of two bodies
+  LitheIndex point;
+  int n_legs;
+  LthLeg leg[LTH_LEGS_MAX]; ///< the first is the point itself, weight 1
   bool active;
   double gap; ///< of the start place to the collider at the end of the step [m]
   double normal[3];
-  double stiffness;   ///< k times the point's area [N/m]
-  double velocity[3]; ///< of the collider's material there [m/s]
-  double anchor[3];   ///< where friction's spring is fixed, in the collider's rest frame [m]
-  double offset[3];   ///< tangential stretch of that spring if the point stayed where it is [m]
-  double start[3];    ///< velocity of the point at the start [m/s]
-  double trial[3];    ///< stretch by the last solve, or as predicted [m]
-  double spring;      ///< secant stiffness of friction [N/m], at most `stiffness`
-  double limit;       ///< mu times the normal force of the last solve [N]
-  double gap_end;     ///< at the end of the step by the last solve [m]
-  double force_n;     ///< normal force of the last solve [N]
-  double D[9], r[3];  ///< equation (4)
+  double stiffness;      ///< k times the point's area [N/m]
+  double velocity[3];    ///< of the collider's material there [m/s]
+  LitheIndex anchor_tri; ///< of the other body, where friction's spring is fixed
+  double
+      anchor[3]; ///< place in the collider's rest frame [m], or weights of the triangle's corners
+  double offset[3];  ///< tangential stretch of that spring if the point stayed where it is [m]
+  double start[3];   ///< velocity of the point at the start [m/s]
+  double trial[3];   ///< stretch by the last solve, or as predicted [m]
+  double spring;     ///< secant stiffness of friction [N/m], at most `stiffness`
+  double limit;      ///< mu times the normal force of the last solve [N]
+  double gap_end;    ///< at the end of the step by the last solve [m]
+  double force_n;    ///< normal force of the last solve [N]
+  double D[9], r[3]; ///< equation (4)
 } LthTouch;
+
+/// A body in a contact: where its points are, and its part of the linear system.
+typedef struct LthContactSide {
+  const LthEmbedding *points;          ///< borrowed for life
+  LitheCount first_dof;                ///< of the body in vectors of the system
+  LitheCount first_block;              ///< of its diagonal blocks [doubles]
+  LitheCount *block_off;               ///< start of each row's diagonal block       (n_rows + 1)
+  double weight_norm;                  ///< largest sum of |weights| of a point
+  double *position;                    ///< (n_points x 3)
+  double *sample_value, *sample_force; ///< (n_samples x 4)
+
+  // samples that active points hang on, and who hangs on each
+  LitheIndex *touched; ///< (n_touched)
+  LitheCount touched_cap;
+  LitheIndex n_touched;
+  LitheIndex *sample_slot; ///< place in touched, -1                     (n_samples)
+  LitheCount *slot_off;    ///< entries of each touched sample           (n_touched + 1)
+  LitheCount slot_off_cap;
+  LitheIndex *slot_active; ///< places in LthContact.active
+  LitheCount slot_active_cap;
+  double *slot_weight;
+  LitheCount slot_weight_cap;
+} LthContactSide;
+
+/// What differs between contact with colliders and between bodies.
+typedef struct LthContactKind {
+  void (*begin)(LthContact *c); ///< places and velocities of all points are known; or NULL
+  LitheStatus (*find_near)(LitheCtx *ctx,
+                           LthContact *c); ///< appends to c->touch, by side, other, point
+  void (*move_anchor)(const LthContact *c, LthTouch *touch, const double x[3]);
+  void (*destroy)(LitheCtx *ctx, LthContact *c); ///< frees c->self
+} LthContactKind;
 
 struct LthContact {
   LitheCtx *ctx;
-  LthContactDef def;
-  LthCollider *colliders; ///< copies, meshes with a tree
-  bool *owns_bvh;
-  LitheCount *block_off; ///< start of each row's diagonal block       (n_rows + 1)
+  const LthContactKind *kind;
+  void *self; ///< LthRigid or LthPair
+  int n_sides;
+  LthContactSide side[2];
+  double friction, damping, cell_size, body_size;
   bool is_auto;
-  double stiffness;   ///< per area or per point
-  double weight_norm; ///< largest sum of |weights| of a point
+  double stiffness; ///< per area or per point
   double t, dt;
   int round, friction_round;
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start
-  LitheIndex n_active;
 
-  double *position;                    ///< (n_points x 3)
-  double *gap;                         ///< to the present collider                  (n_points)
-  double *sample_value, *sample_force; ///< (n_samples x 4)
-
-  LthTouch *touch, *before; ///< of this step and of the last one, by collider and point
+  LthTouch *touch, *before; ///< of this step and of the last one, by side, other and point
   LitheCount touch_cap, before_cap;
-  LitheIndex n_touch, n_before;
+  LitheIndex n_touch, n_before, before_at; ///< before_at: how far lth_touch_remember() has come
 
-  // the system's part: active points and the samples they hang on
   LitheIndex *active; ///< places in touch, ascending               (n_active)
   LitheCount active_cap;
-  LitheIndex *touched; ///< samples that active points hang on       (n_touched)
-  LitheCount touched_cap;
-  LitheIndex n_touched;
-  LitheIndex *sample_slot; ///< place in touched, -1                     (n_samples)
-  LitheCount *slot_off;    ///< active points of each touched sample     (n_touched + 1)
-  LitheCount slot_off_cap;
-  LitheIndex *slot_active; ///< places in active
-  LitheCount slot_active_cap;
-  double *slot_weight;
-  LitheCount slot_weight_cap;
+  LitheIndex n_active;
   double *force_of; ///< on each active point                     (n_active x 3)
   LitheCount force_of_cap;
 };
 
-/// Set D and r of a touching point from its state.
-void lth_touch_linearize(const LthContact *contact, LthTouch *touch);
+// contact.c
 
-/// Set trial and spring of a touching point for velocity v, by its limit: equation (3).
-void lth_touch_stretch(const LthContact *contact, LthTouch *touch, const double v[3]);
+/// A contact of `n_sides` bodies; owned by the caller once `kind` and `self` are set.
+LitheStatus lth_contact_create_sides(LitheCtx *ctx, int n_sides, const LthEmbedding *const *points,
+                                     double stiffness, LthContact **contact);
+
+/// Stiffer than a layer of cells, and stiff enough to carry a weight [N] on a spot of a body of `size`:
+/// equation (6), per area.
+double lth_contact_auto_stiffness(double modulus, double cell_size, double weight, double size);
+
+/// Append a touching point of a side.
+LitheStatus lth_touch_add(LitheCtx *ctx, LthContact *c, const LthTouch *touch);
+
+/// Take over what a point of the last step knows, and let its velocity v go on changing as it did. Points come in
+/// the order of the list.
+void lth_touch_remember(LthContact *c, LthTouch *touch, double v[3]);
+
+/// Largest speed of any point of a side, from its samples' velocities.
+double lth_contact_fastest(const LthContactSide *side);
+
+/// Smallest box that holds all points of a side.
+void lth_contact_box(const LthContactSide *side, double box[6]);
+
+/// Share of the stiffness of a point [N/m].
+static inline double lth_contact_share(const LthContact *c, const LthEmbedding *e, LitheIndex p) {
+  return c->stiffness * (e->area ? e->area[p] : 1);
+}
+
+// contact_system.c
 
 /// Make room for the index of as many active points as there are touching ones.
-LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *contact);
+LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *c);
 
 /// List the active points, their samples, and who hangs on each sample. Allocates nothing.
-void lth_contact_index(LthContact *contact);
+void lth_contact_index(LthContact *c);
+
+/// Sum of the legs' values from the samples of all sides.
+void lth_touch_value(const LthContact *c, const LthTouch *touch, double value[3]);
+
+// contact_revise.c
+
+/// Set D and r of a touching point from its state.
+void lth_touch_linearize(const LthContact *c, LthTouch *touch);
+
+/// Set trial and spring of a touching point for velocity v, by its limit: equation (3).
+void lth_touch_stretch(const LthContact *c, LthTouch *touch, const double v[3]);
 
 /// True where loops over n things are worth several threads.
 static inline bool lth_contact_is_large(LitheIndex n) { return n > 2000; }

@@ -12,13 +12,13 @@ static void add_outer(double s, const double a[3], double D[9]) {
 }
 
 void lth_touch_linearize(const LthContact *c, LthTouch *touch) {
-  const double dt = c->dt, k = touch->stiffness, damping = c->def.damping * k;
+  const double dt = c->dt, k = touch->stiffness, damping = c->damping * k;
   const double *n = touch->normal;
   memset(touch->D, 0, sizeof touch->D);
   memset(touch->r, 0, sizeof touch->r);
   add_outer(dt * (dt * k + damping), n, touch->D);
   lth_v3_axpy(dt * (damping * lth_v3_dot(n, touch->velocity) - k * touch->gap), n, touch->r);
-  if (!(c->def.friction > 0)) return;
+  if (!(c->friction > 0)) return;
 
   for (int i = 0; i < 3; i++) touch->D[4 * i] += dt * dt * touch->spring;
   add_outer(-dt * dt * touch->spring, n, touch->D);
@@ -38,19 +38,19 @@ void lth_touch_stretch(const LthContact *c, LthTouch *touch, const double v[3]) 
 static double normal_force(const LthContact *c, LthTouch *touch, const double v[3]) {
   double closing = lth_v3_dot(touch->normal, v) - lth_v3_dot(touch->normal, touch->velocity);
   touch->gap_end = touch->gap + c->dt * lth_v3_dot(touch->normal, v);
-  return -touch->stiffness * touch->gap_end - c->def.damping * touch->stiffness * closing;
+  return -touch->stiffness * touch->gap_end - c->damping * touch->stiffness * closing;
 }
 
 /// Revise one point; returns by how much its normal force and its friction in the last solve missed what
 /// they should be [N].
 static void revise_touch(const LthContact *c, LthTouch *touch, double missed[2]) {
   double v[3], force, spring = touch->spring;
-  lth_embedding_from_samples(c->def.points, touch->point, c->sample_value, v);
+  lth_touch_value(c, touch, v);
   force = normal_force(c, touch, v);
   bool was_active = touch->active;
   touch->active = force > 0;
   touch->force_n = fmax(force, 0);
-  touch->limit = c->def.friction * touch->force_n;
+  touch->limit = c->friction * touch->force_n;
   lth_touch_stretch(c, touch, v);
   missed[0] = was_active != touch->active ? fabs(force) : 0;
   missed[1] =
@@ -64,7 +64,8 @@ bool lth_contact_revise(LthContact *c, const double *v1) {
   double missed[2] = {0, 0};
   LitheIndex n_before = c->n_active;
   c->penetration = 0, c->force = 0;
-  lth_embedding_sample(c->def.points, 1, v1, c->sample_value);
+  for (int s = 0; s < c->n_sides; s++)
+    lth_embedding_sample(c->side[s].points, 1, v1 + c->side[s].first_dof, c->side[s].sample_value);
   for (LitheIndex i = 0; i < c->n_touch; i++) {
     LthTouch *touch = &c->touch[i];
     double of_touch[2];
@@ -77,7 +78,7 @@ bool lth_contact_revise(LthContact *c, const double *v1) {
   }
   lth_contact_index(c);
   bool again = missed[0] > FORCE_CHANGE * c->force || (n_before == 0 && c->n_active > 0);
-  if (!again && missed[1] > FRICTION_CHANGE * c->def.friction * c->force)
+  if (!again && missed[1] > FRICTION_CHANGE * c->friction * c->force)
     again = ++c->friction_round < FRICTION_ROUNDS_MAX;
   return again && ++c->round < ROUNDS_MAX;
 }

@@ -73,6 +73,11 @@ void lth_defects_free(LitheCtx *ctx, LthDefects *defects);
 LitheStatus lth_surface_from_soup(LitheCtx *ctx, const LthSoup *soup, const char *name,
                                   LthDefects *defects, LthSurface **surface);
 
+/// Halve edges longer than `length` [m] until there are none: closed and flat where `surface` is, whose
+/// points come first. Points of a soup are not known any more.
+LitheStatus lth_surface_refine(LitheCtx *ctx, const LthSurface *surface, double length,
+                               LthSurface **refined);
+
 /// Triangulate the polygons of a soup without any repair (for drawing). (n_out x 3, caller frees)
 LitheStatus lth_soup_triangulate(LitheCtx *ctx, const LthSoup *soup, LitheIndex *n_tris,
                                  LitheIndex **tris, LitheIndex **tri_poly);
