@@ -57,6 +57,16 @@ static void element_matrix(const LthDgOperator *op, LitheIndex cell, double *blo
     }
 }
 
+/// kappa int grad phi_i, what the shape at rest holds: the mean of each gradient is its coefficient of phi_0.
+static void element_load(const LthDgOperator *op, LitheIndex cell, double *load) {
+  int nb = lth_dg_funcs(op->space, cell), nl = lth_dg_lower(op->space, cell);
+  double kappa = 3 * op->lambda[cell] + 2 * op->mu[cell];
+  for (int i = 0; i < nb; i++)
+    for (int b = 0; b < 3; b++)
+      load[3 * i + b] =
+          kappa * op->space->mesh->cell_volume[cell] * lth_dg_slope(op, cell)[(b * nb + i) * nl];
+}
+
 void lth_dg_add_own_flux(const LthDgOperator *op, LitheIndex cell, double w, const double n[3],
                          const double *mass, double *block) {
   int nb = lth_dg_funcs(op->space, cell), nl = lth_dg_lower(op->space, cell);
@@ -124,20 +134,16 @@ static void hold_matrices(const LthDgOperator *op, const LthDgHold *hold, double
 }
 
 void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell) {
-  int nb = lth_dg_funcs(op->space, cell), nl = lth_dg_lower(op->space, cell);
+  int nb = lth_dg_funcs(op->space, cell);
   double *block = op->cell_data + op->cell_off[cell];
   double *load = op->cell_load + 3 * (LitheCount)op->space->func_off[cell];
   double flux[9 * LTH_DG_MAX_FUNCS * LTH_DG_MAX_FUNCS];
   memset(flux, 0, sizeof *flux * 9 * (size_t)(nb * nb));
 
-  // the mean of each gradient is its coefficient of phi_0
-  double kappa = 3 * op->lambda[cell] + 2 * op->mu[cell];
-  for (int i = 0; i < nb; i++)
-    for (int b = 0; b < 3; b++)
-      load[3 * i + b] =
-          kappa * op->space->mesh->cell_volume[cell] * lth_dg_slope(op, cell)[(b * nb + i) * nl];
-
-  element_matrix(op, cell, block);
+  if (!op->faces_only) {
+    element_load(op, cell, load);
+    element_matrix(op, cell, block);
+  }
   if (op->flux == LTH_FLUX_IP) own_flux(op, cell, flux, load);
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++) {
     const LthDgHold *hold = &op->holds[h];

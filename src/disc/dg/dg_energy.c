@@ -158,7 +158,7 @@ double lth_dg_energy(LthDgOperator *op, double t, const double *x) {
     double S[9 * LTH_DG_MAX_LOWER], u[3 * LTH_DG_MAX_FUNCS];
     lth_dg_stress_coefficients(op, cell, x, S);
     cell_displacement(op, cell, x, u);
-    double sum = element_energy(op, cell, S);
+    double sum = op->faces_only ? 0 : element_energy(op, cell, S);
     for (LitheIndex f = op->own_face_off[cell]; f < op->own_face_off[cell + 1]; f++)
       sum += face_energy(op, &op->faces[f], x);
     for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)

@@ -21,6 +21,7 @@ typedef struct LthDgOperatorDef {
   LthPenaltyKind penalty;
   double eta;                    ///< for the eta kinds
   bool warped;                   ///< stiffness warping (corotated)
+  bool faces_only;               ///< terms of inner faces alone: the cells are another operator's
   const LthWeakConstraint *weak; ///< copied; the patches are borrowed
   LitheIndex n_weak;
 } LthDgOperatorDef;

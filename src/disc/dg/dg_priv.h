@@ -82,7 +82,7 @@ struct LthDgOperator {
   LthFlux flux;
   LthPenaltyKind kind;
   double eta;
-  bool warped;
+  bool warped, faces_only;
   double *lambda, *mu, *young; ///< per cell [Pa]
   double *rotation;            ///< (n_cells x 9)
   double *rest;                ///< X0 (n_dofs)

@@ -97,6 +97,37 @@ done:
   return status;
 }
 
+/// Everything of a cell of another space but its number.
+static void copy_cell(const LthDgSpace *from, LitheIndex cell, LthDgSpace *to, LitheIndex at) {
+  int nb = lth_dg_funcs(from, cell);
+  memcpy(to->center + 3 * (size_t)at, from->center + 3 * (size_t)cell, 3 * sizeof(double));
+  memcpy(to->scale + 3 * (size_t)at, from->scale + 3 * (size_t)cell, 3 * sizeof(double));
+  memcpy(to->basis + to->basis_off[at], from->basis + from->basis_off[cell],
+         sizeof(double) * (size_t)(nb * nb));
+  memcpy(to->mean_gradient + 3 * (size_t)to->func_off[at],
+         from->mean_gradient + 3 * (size_t)from->func_off[cell], 3 * sizeof(double) * (size_t)nb);
+  to->trace_constant[at] = from->trace_constant[cell];
+}
+
+LitheStatus lth_dg_space_gather(LitheCtx *ctx, const LthMesh *mesh, const LthDgSpace *const *spaces,
+                                const uint8_t *from, const LitheIndex *of, LthDgSpace **space) {
+  LitheStatus status = LITHE_OK;
+  LthDgSpace *s = NULL;
+  uint8_t *degree = NULL;
+  LTH_NEW_OR(done, ctx, degree, mesh->n_cells);
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) degree[c] = spaces[from[c]]->degree[of[c]];
+  LTH_NEW_OR(done, ctx, s, 1);
+  s->mesh = mesh;
+  s->n_cells = mesh->n_cells;
+  LITHE_TRY_OR(done, lay_out(ctx, s, 1, degree));
+  for (LitheIndex c = 0; c < s->n_cells; c++) copy_cell(spaces[from[c]], of[c], s, c);
+done:
+  lth_free(ctx, degree);
+  if (status != LITHE_OK) lth_dg_space_destroy(ctx, &s);
+  *space = s;
+  return status;
+}
+
 static void to_cell(const LthDgSpace *s, LitheIndex cell, const double x[3], double xi[3]) {
   for (int i = 0; i < 3; i++)
     xi[i] = (x[i] - s->center[3 * (LitheCount)cell + i]) / s->scale[3 * (LitheCount)cell + i];

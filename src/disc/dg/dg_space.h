@@ -29,6 +29,11 @@ typedef struct LthDgSpace {
 /// Cost linear in faces; both cores. LITHE_BAD_INPUT: a cell so flat that no basis exists (names it).
 LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
                                 const uint8_t *cell_degree, LthDgSpace **space);
+
+/// Cells of two other spaces with the bases they have there: cell i is cell of[i] of spaces[from[i]]. `mesh`
+/// (borrowed for life) has these cells.
+LitheStatus lth_dg_space_gather(LitheCtx *ctx, const LthMesh *mesh, const LthDgSpace *const *spaces,
+                                const uint8_t *from, const LitheIndex *of, LthDgSpace **space);
 void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space);
 
 static inline int lth_dg_funcs(const LthDgSpace *s, LitheIndex cell) {
