@@ -15,8 +15,8 @@ typedef struct LthTieSide {
   LthFlux flux;                  ///< of a dg body, like the next two
   LthPenaltyKind penalty;
   double eta;
-  bool warped;           ///< corotated
-  LitheIndex first_row;  ///< of the body in the system
+  bool warped;          ///< corotated
+  LitheIndex first_row; ///< of the body in the system
   LitheCount first_dof;
 } LthTieSide;
 

@@ -66,8 +66,8 @@ static LitheStatus copy_faces(LitheCtx *ctx, const LthTieDef *def, const LthOver
   for (LitheIndex f = 0; f < p->n; f++) {
     LitheIndex face = def->side[0].patches->face[o->patch[2 * f]];
     for (int s = 0; s < 2; s++)
-      m->face_cell[2 * f + s] = find_cell(t, first[s], first[s + 1],
-                                          lth_tie_cell(&def->side[s], o->patch[2 * f + s]));
+      m->face_cell[2 * f + s] =
+          find_cell(t, first[s], first[s + 1], lth_tie_cell(&def->side[s], o->patch[2 * f + s]));
     lth_v3_copy(def->side[0].disc->mesh->face_normal + 3 * (size_t)face,
                 m->face_normal + 3 * (size_t)f);
     LthFaceView view = lth_mesh_face(m, f);
@@ -150,8 +150,8 @@ static LitheStatus map_rows(LitheCtx *ctx, const LthTieDef *def, TieFaces *t) {
 static void gather(const TieFaces *t, const double *x, bool for_rotation) {
   for (LitheIndex c = 0; c < t->mesh->n_cells; c++) {
     LitheCount first = 3 * (LitheCount)t->space->func_off[c];
-    const double *from = for_rotation && !t->turns[t->from[c]] ? t->rest + first
-                                                               : x + t->matrix.dof[c];
+    const double *from =
+        for_rotation && !t->turns[t->from[c]] ? t->rest + first : x + t->matrix.dof[c];
     memcpy(t->x + first, from, sizeof *x * 3 * (size_t)lth_dg_funcs(t->space, c));
   }
 }

@@ -7,7 +7,7 @@
 
 /// Where planar boundary pieces of two bodies coincide.
 typedef struct LthOverlap {
-  LthPieces pieces; ///< in the plane of the first body's face, about its normal
+  LthPieces pieces;  ///< in the plane of the first body's face, about its normal
   LitheIndex *patch; ///< piece of each body's patches                        (n x 2)
   LitheCount patch_cap;
 } LthOverlap;

@@ -10,7 +10,8 @@
 
 #define REACH 0.25  ///< of the smaller cell: farther surfaces are not tied
 #define FACING -0.5 ///< largest cosine between the normals of tied surfaces
-#define STIFFNESS 50 ///< over that of the softer layer of cells: each tie yields like a fiftieth of it
+#define STIFFNESS                                                                                  \
+  50 ///< over that of the softer layer of cells: each tie yields like a fiftieth of it
 
 typedef struct Spring {
   LitheIndex cell[2];
@@ -76,9 +77,8 @@ static LitheStatus add_spring(Job *job, LitheIndex piece, const double x[3], con
   s->cell[job->fine] = lth_tie_cell(mine, piece);
   s->cell[1 - job->fine] = lth_tie_cell(other, hit);
   lth_v3_copy(x, s->x);
-  s->stiffness =
-      STIFFNESS * area *
-      fmin(layer(mine, s->cell[job->fine]), layer(other, s->cell[1 - job->fine]));
+  s->stiffness = STIFFNESS * area *
+                 fmin(layer(mine, s->cell[job->fine]), layer(other, s->cell[1 - job->fine]));
   job->tie->tied[job->fine][piece] = job->tie->tied[1 - job->fine][hit] = 1;
   job->tie->spring_area += area;
   return LITHE_OK;

@@ -24,7 +24,6 @@ LthSystemBody lth_body_as_part(const LthBody *body) {
                          .held = body->strong ? lth_dg_strong_held(body->strong) : NULL,
                          .prescribe = body->strong ? lth_dg_strong_prescribe : NULL,
                          .prescribe_self = body->strong,
-                         .contact = body->contact,
                          .warped = body->warped};
 }
 

@@ -66,8 +66,7 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   s->options = *options;
   s->n = system->n;
   s->report = (LthStepReport){.converged = true, .linear = "pcg", .linear_reason = "as asked"};
-  for (LitheIndex b = 0; b < system->n_bodies; b++)
-    s->has_contact |= system->bodies[b].contact != NULL;
+  s->has_contact = system->n_contacts > 0;
   if (s->options.max_iterations <= 0)
     s->options.max_iterations = (LitheIndex)(10 * sqrt((double)s->n)) + 1000;
   LITHE_TRY_OR(done, allocate_vectors(ctx, s));

@@ -90,14 +90,31 @@ static LitheStatus prepare_forces(LitheCtx *ctx, LthSystem *s) {
   return add_loads(ctx, s, true, 0, s->scratch, s->f_fixed);
 }
 
+/// Tell each contact where its bodies stand in vectors, and in the diagonal blocks of all rows.
+static void place_contacts(const LthSystem *s, const LthSystemContact *contacts) {
+  for (LitheIndex c = 0; c < s->n_contacts; c++)
+    for (int side = 0; side < lth_contact_sides(contacts[c].contact); side++) {
+      LitheCount block = 0;
+      for (LitheIndex b = 0; b < contacts[c].body[side]; b++)
+        for (LitheIndex r = 0; r < disc_of(s, b)->n_rows; r++) {
+          LitheCount m = 3 * (disc_of(s, b)->row_func[r + 1] - disc_of(s, b)->row_func[r]);
+          block += m * m;
+        }
+      lth_contact_place(s->contacts[c], side, s->dof_first[contacts[c].body[side]], block);
+    }
+}
+
 static LitheStatus copy_def(LitheCtx *ctx, const LthSystemDef *def, LthSystem *s) {
   s->n_bodies = def->n_bodies;
   s->n_couplings = def->n_couplings;
+  s->n_contacts = def->n_contacts;
   LTH_NEW(ctx, s->bodies, def->n_bodies);
   LTH_NEW(ctx, s->couplings, def->n_couplings);
+  LTH_NEW(ctx, s->contacts, def->n_contacts);
   LTH_NEW(ctx, s->part, def->n_bodies);
   for (LitheIndex b = 0; b < def->n_bodies; b++) s->bodies[b] = def->bodies[b];
   for (LitheIndex c = 0; c < def->n_couplings; c++) s->couplings[c] = def->couplings[c];
+  for (LitheIndex c = 0; c < def->n_contacts; c++) s->contacts[c] = def->contacts[c].contact;
   memcpy(s->gravity, def->gravity, sizeof s->gravity);
   return LITHE_OK;
 }
@@ -109,6 +126,7 @@ LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem 
   LTH_NEW_OR(done, ctx, s, 1);
   LITHE_TRY_OR(done, copy_def(ctx, def, s));
   LITHE_TRY_OR(done, lay_out(ctx, s));
+  place_contacts(s, def->contacts);
   LITHE_TRY_OR(done, gather_held(ctx, s));
   LITHE_TRY_OR(done, prepare_forces(ctx, s));
   *system = s;
@@ -122,8 +140,9 @@ void lth_system_destroy(LitheCtx *ctx, LthSystem **system) {
   LthSystem *s = *system;
   if (!s) return;
   lth_system_parts_free(ctx, s);
-  void *blocks[] = {s->bodies,   s->couplings, s->row_first, s->dof_first, s->row_body, s->held,
-                    s->row_held, s->one,       s->f_fixed,   s->scratch,   s->part,     s};
+  void *blocks[] = {s->bodies, s->couplings, s->contacts, s->row_first, s->dof_first, s->row_body,
+                    s->held,   s->row_held,  s->one,      s->f_fixed,   s->scratch,   s->part,
+                    s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   *system = NULL;
 }

@@ -14,8 +14,7 @@ typedef struct LthSystemBody {
   LitheStatus (*prescribe)(const void *self, double t,
                            double *x); ///< writes held unknowns, others untouched
   const void *prescribe_self;
-  LthContact *contact; ///< with rigid colliders, or NULL
-  bool warped;         ///< corotated: static solves iterate rotations
+  bool warped; ///< corotated: static solves iterate rotations
 } LthSystemBody;
 
 /// What couples two bodies by blocks of the matrix (a tie). Rows and unknowns are the system's.
@@ -30,19 +29,28 @@ typedef struct LthCoupling {
   void (*archive)(void *self, LthArchive *archive); ///< memory from step to step; NULL: it has none
 } LthCoupling;
 
+/// Contact of a body with colliders, or of two bodies with each other; borrowed for life.
+typedef struct LthSystemContact {
+  LthContact *contact;
+  LitheIndex body[2]; ///< of its sides; the second is not read where there is one
+} LthSystemContact;
+
 typedef struct LthSystemDef {
   const LthSystemBody *bodies; ///< copied                                   (n_bodies)
   LitheIndex n_bodies;
   const LthCoupling *couplings; ///< copied                                  (n_couplings)
   LitheIndex n_couplings;
+  const LthSystemContact *contacts; ///< copied                              (n_contacts)
+  LitheIndex n_contacts;
   double gravity[3];
 } LthSystemDef;
 
 /// Body b has block rows [row_first[b], row_first[b + 1]) and unknowns [dof_first[b], dof_first[b + 1]).
 typedef struct LthSystem {
-  LitheIndex n_bodies, n_couplings, n_rows;
+  LitheIndex n_bodies, n_couplings, n_contacts, n_rows;
   LthSystemBody *bodies;
   LthCoupling *couplings;
+  LthContact **contacts; ///< all see vectors of the system               (n_contacts)
   LitheCount n; ///< unknowns
   LitheIndex *row_first;
   LitheCount *dof_first;

@@ -149,9 +149,10 @@ static inline LthSystem *beam_system(const Beam *b, const BeamDef *def, LthConta
                         .held = b->held,
                         .prescribe = b->held ? move_layer : NULL,
                         .prescribe_self = b,
-                        .contact = contact,
                         .warped = !def->linear};
-  LthSystemDef d = {.bodies = &body, .n_bodies = 1};
+  LthSystemContact touch = {.contact = contact};
+  LthSystemDef d = {
+      .bodies = &body, .n_bodies = 1, .contacts = &touch, .n_contacts = contact ? 1 : 0};
   lth_m3_apply(b->Q, def->gravity, d.gravity);
   CHECK_OK(b->ctx, lth_system_create(b->ctx, &d, &system));
   return system;
