@@ -37,7 +37,7 @@ void lth_tie_matrix_free(LitheCtx *ctx, LthTieMatrix *m) {
 }
 
 static LitheStatus tie_faces(LitheCtx *ctx, const LthTieDef *def, LthTie *tie) {
-  LthOverlap overlap = {{0}};
+  LthOverlap overlap = {.patch = NULL};
   if (!def->side[0].space || !def->side[1].space) return LITHE_OK;
   LitheStatus status = lth_overlap_find(ctx, def, &overlap, tie->tied);
   if (status == LITHE_OK && overlap.pieces.n > 0)

@@ -29,7 +29,7 @@ typedef struct PairSide {
 
 typedef struct LthPair {
   PairSide side[2];
-  bool is_near, warned;
+  bool is_near;
 } LthPair;
 
 static void pair_destroy(LitheCtx *ctx, LthContact *c) {
@@ -248,10 +248,10 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, int s) {
 }
 
 static void warn_of_speed(LitheCtx *ctx, LthContact *c, double way) {
-  LthPair *pair = c->self;
+  const LthPair *pair = c->self;
   double thin = fmin(thickness(pair->side[0].bvh->box), thickness(pair->side[1].bvh->box));
-  if (pair->warned || !(way > FAST * thin)) return;
-  pair->warned = true;
+  if (c->warned || !(way > FAST * thin)) return;
+  c->warned = true;
   lth_warn(ctx,
            "%s and %s approach by up to %.3g m a step at t = %.3g s, the thinner of them measures "
            "%.3g m: they may pass through each other; take smaller steps",

@@ -83,6 +83,7 @@ struct LthContact {
   int round, friction_round;
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start
+  bool warned;   ///< that bodies are fast
 
   LthTouch *touch, *before; ///< of this step and of the last one, by side, other and point
   LitheCount touch_cap, before_cap;

@@ -33,13 +33,23 @@ static LthStepOptions step_options(const LthScene *scene) {
 }
 
 static LitheStatus build_system(LitheCtx *ctx, LthWorld *world) {
-  LthSystemBody *parts;
-  LTH_NEW(ctx, parts, world->n_bodies);
-  for (LitheIndex b = 0; b < world->n_bodies; b++) parts[b] = lth_body_as_part(world->bodies[b]);
-  LthSystemDef def = {.bodies = parts, .n_bodies = world->n_bodies};
+  LitheStatus status = LITHE_OK;
+  LthSystemBody *parts = NULL;
+  LthSystemContact *contacts = NULL;
+  LTH_NEW_OR(done, ctx, parts, world->n_bodies);
+  LTH_NEW_OR(done, ctx, contacts, world->n_bodies);
+  LthSystemDef def = {.bodies = parts, .n_bodies = world->n_bodies, .contacts = contacts};
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    parts[b] = lth_body_as_part(world->bodies[b]);
+    if (world->bodies[b]->contact)
+      contacts[def.n_contacts++] =
+          (LthSystemContact){.contact = world->bodies[b]->contact, .body = {b}};
+  }
   lth_v3_copy(world->scene->gravity, def.gravity);
-  LitheStatus status = lth_system_create(ctx, &def, &world->system);
+  LITHE_TRY_OR(done, lth_system_create(ctx, &def, &world->system));
+done:
   lth_free(ctx, parts);
+  lth_free(ctx, contacts);
   return status;
 }
 

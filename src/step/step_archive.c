@@ -15,8 +15,7 @@ static void walk_report(LthSimulation *s, LthArchive *a) {
 }
 
 static void walk_memory(const LthSystem *system, LthArchive *a) {
-  for (LitheIndex b = 0; b < system->n_bodies; b++)
-    if (system->bodies[b].contact) lth_contact_archive(system->bodies[b].contact, a);
+  for (LitheIndex c = 0; c < system->n_contacts; c++) lth_contact_archive(system->contacts[c], a);
   for (LitheIndex c = 0; c < system->n_couplings; c++)
     if (system->couplings[c].archive) system->couplings[c].archive(system->couplings[c].self, a);
 }
