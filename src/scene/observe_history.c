@@ -8,9 +8,22 @@ struct LthHistory {
   LthCsv *csv;
 };
 
-static const char *const columns[] = {
-    "t",           "strain_energy",     "kinetic_energy",    "work",    "volume", "contacts",
-    "penetration", "linear_iterations", "newton_iterations", "residual"};
+static const char *const columns[] = {"t",
+                                      "strain_energy",
+                                      "kinetic_energy",
+                                      "work",
+                                      "volume",
+                                      "contacts",
+                                      "penetration",
+                                      "linear_iterations",
+                                      "newton_iterations",
+                                      "residual",
+                                      "momentum_x",
+                                      "momentum_y",
+                                      "momentum_z",
+                                      "angular_momentum_x",
+                                      "angular_momentum_y",
+                                      "angular_momentum_z"};
 
 LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, bool resumes,
                              LthHistory **history) {
@@ -35,7 +48,13 @@ LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *
                         r->penetration,
                         r->linear_iterations,
                         r->newton_iterations,
-                        r->residual};
+                        r->residual,
+                        r->momentum[0],
+                        r->momentum[1],
+                        r->momentum[2],
+                        r->angular_momentum[0],
+                        r->angular_momentum[1],
+                        r->angular_momentum[2]};
   return lth_csv_row(ctx, history->csv, row);
 }
 

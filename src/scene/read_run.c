@@ -39,11 +39,14 @@ static void check_steps(LthReader *r, const LthNode *map) {
 
 static void read_kind(LthReader *r, const LthNode *map, LthTimeKind kind) {
   static const char *const names[] = {"static", "quasistatic", "dynamic"};
+  static const char *const integrators[] = {"implicit-euler", "newton-euler", "bdf2", "newmark",
+                                            NULL};
   LthScene *scene = r->scene;
   scene->time_kind = kind;
   scene->duration = lth_read_number(map, "duration", kind == LTH_TIME_QUASISTATIC ? 1 : 0);
   scene->step = lth_read_number(map, "step", 0);
   scene->steps = lth_read_integer(map, "steps", 0);
+  scene->integrator = (LthIntegrator)lth_read_word(map, "integrator", integrators);
   if (kind == LTH_TIME_DYNAMIC) {
     need_key(r, map, "duration", "a number > 0 [s]");
     need_key(r, map, "step", "a number > 0 [s]");

@@ -104,6 +104,7 @@ typedef struct LthScene {
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic
+  LthIntegrator integrator;
   LthLinearChoice linear;
   double tolerance;
   int threads;

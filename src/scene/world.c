@@ -25,6 +25,7 @@ static LitheStatus check_held(LitheCtx *ctx, const LthWorld *world) {
 
 static LthStepOptions step_options(const LthScene *scene) {
   LthStepOptions options = lth_step_options_default();
+  options.integrator = scene->integrator;
   options.linear = scene->linear;
   if (scene->tolerance > 0) options.tolerance = scene->tolerance;
   if (scene->newton_tolerance > 0) options.newton_tolerance = scene->newton_tolerance;

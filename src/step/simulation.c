@@ -91,6 +91,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
                        s->f_before, s->row_mass, s->factor_x};
   lth_free(ctx, s->freedom);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
+  lth_stage_free(ctx, &s->stage);
   lth_anderson_destroy(ctx, &s->anderson);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);
@@ -110,7 +111,7 @@ const LthStepReport *lth_simulation_report(const LthSimulation *s) { return &s->
 
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *s, const double **force) {
   *force = s->force;
-  return lth_step_assemble(ctx, s, s->t);
+  return lth_step_assemble(ctx, s, s->t, s->x);
 }
 
 const double *lth_simulation_displacement(LthSimulation *s) {

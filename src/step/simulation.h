@@ -11,7 +11,16 @@ typedef enum LthLinearChoice {
   LTH_LINEAR_PCG
 } LthLinearChoice;
 
+/// How time goes on. The first solves one linear system a step, the others iterate over rotations.
+typedef enum LthIntegrator {
+  LTH_IMPLICIT_EULER, ///< linearly implicit, rotations of the start of the step
+  LTH_NEWTON_EULER,   ///< fully implicit
+  LTH_BDF2,           ///< second order, damps what is faster than the step
+  LTH_NEWMARK         ///< average acceleration: second order, damps nothing
+} LthIntegrator;
+
 typedef struct LthStepOptions {
+  LthIntegrator integrator;
   LthLinearChoice linear;
   double tolerance;          ///< of the linear solver, relative
   LitheIndex max_iterations; ///< of PCG; 0: 10 sqrt(n) + 1000
@@ -61,9 +70,10 @@ const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 /// next call on `sim`. Overwrites the matrix.
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);
 
-/// One linearly implicit Euler step of length dt:
+/// One step of length dt by the integrator of the options. Implicit Euler:
 ///   ((1 + h a) M + (h^2 + h b) K_w + contact) v1 = M v0 + h (f_ext - f_int(x0; R(x0))),  x1 = x0 + h v1.
-/// A linear solve that misses its tolerance is told in the report (converged = false), not an error.
+/// A solve that misses its tolerance is told in the report (converged = false), not an error. After a failure
+/// position, velocity and time are those of the start.
 LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *sim, double dt);
 
 /// Equilibrium at time t from the present state. Corotated bodies iterate rotations; where the plain

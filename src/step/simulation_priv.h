@@ -5,6 +5,24 @@
 #include "step/anderson.h"
 #include "step/simulation.h"
 
+/// What every integrator solves in a step: v1 of M v1 = M v_hat + H F(x_hat + H v1, v1), where x1 = x_hat + H v1.
+typedef struct LthStage {
+  double H, t1;
+  bool iterates; // rotations follow the solution; else they are those of x_hat
+  bool is_second_order;
+  double *x_hat, *v_hat; // (n); all of them NULL before the first dynamic step
+  double *p;             // M v_hat
+  double *v_last;        // iterate before
+  double *x_start;       // position at the start of the step ...
+  double *f_start;       // ... and the external force there, where the integrator asks for it
+
+  // from the step before
+  bool has_old;
+  double h_old;
+  double *x_old,
+      *v_old; // bdf2: position and velocity a step earlier; newmark: v_old is the acceleration
+} LthStage;
+
 struct LthSimulation {
   LthSystem *system;
   LthStepOptions options;
@@ -18,8 +36,9 @@ struct LthSimulation {
   LthCg *cg;
   double *extra; // contact's part of the diagonal blocks, NULL without contact
   LitheCount n_extra;
-  bool has_contact; // some body may touch something
-  bool contact_on;  // points are active in the present system
+  bool has_contact;    // some body may touch something
+  bool contact_on;     // points are active in the present system
+  bool contact_stands; // and solves do not ask whether they should be
   int8_t
       *freedom; // per body: 1: no constraint resists translations, -1: some does, 0: not known yet
 
@@ -49,16 +68,17 @@ struct LthSimulation {
   double *driven;     // prescribed values of held unknowns, zero elsewhere
   double *scratch;    // free between calls
 
+  LthStage stage;           // of dynamic steps
   double *start, *f_before; // equilibria: state and loads at the start, NULL until the first
   LthAnderson *anderson;
   double *best; // and the state of the smallest residual
 };
 
-/// Rotations from x, K into A, f0 at time t, force = f_ext(t) + f0 - K x.
-LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t);
+/// Rotations from x, K into A, f0 at time t, force = f_ext(t) + f0 - K at.
+LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const double *at);
 
-/// Write `driven` = (prescribed position at t - x) / h for held unknowns.
-LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h);
+/// Write `driven` = (prescribed position at t - from) / h for held unknowns.
+LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h, const double *from);
 
 /// A = cm M + ck A, in place, with cm (1 + h a) and ck + h b of each body: Rayleigh damping over a step h, 0 for
 /// equilibria.
@@ -82,7 +102,8 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h);
 void lth_step_tally(LthSimulation *s);
 
 /// Solve A solution = base (+ contact) from the solution given, until |r| <= tolerance |b|; held unknowns
-/// end at `driven`. Contact is revised after each solve, and the system solved again while its set changes.
+/// end at `driven`. Contact is revised after each solve, and the system solved again while its set changes,
+/// unless it stands.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
 /// Contact of all bodies in the step t -> t + dt: how many points are active at first.
@@ -97,6 +118,27 @@ void lth_step_contact_diagonal(const LthSimulation *s, double *extra);
 /// After a solve: true where the set of points has changed. Then its figures into the report.
 bool lth_step_contact_revise(LthSimulation *s, const double *v1);
 void lth_step_contact_report(LthSimulation *s);
+
+/// |rhs - (A + C) solution| over free unknowns with base, driven, A and contact as they stand, and |rhs|. Held
+/// unknowns of the solution become `driven`.
+void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double *scale);
+
+/// Keep the state at the start of a step; allocates at the first.
+LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s);
+void lth_stage_free(LitheCtx *ctx, LthStage *stage);
+
+/// True where some body has it; then y += weight b f0(t), f0 of weak constraints at t (NULL: to be assembled).
+bool lth_stage_has_stiffness_damping(const LthSystem *system);
+void lth_stage_add_damped_load(LthSimulation *s, double weight, double t, const double *f0,
+                               double *y);
+
+/// Solve the stage for s->solution = v1 from the solution given. Leaves s->x anywhere.
+LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s);
+
+/// Where bodies are free their momentum is known beforehand, (1 + H a) P1 = P^ + H F: a translation takes away
+/// what rounding and the solver's tolerance leave. (As a step of the solver it is the exact solution in
+/// the space of translations T, where T^T A T = (1 + H a) m.)
+void lth_stage_balance(LthSimulation *s);
 
 /// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.
 LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static);

@@ -14,6 +14,18 @@ static void walk_report(LthSimulation *s, LthArchive *a) {
   s->report = report;
 }
 
+/// What a multistep integrator remembers. The vectors are there once a step was made.
+static void walk_stage(LthSimulation *s, LthArchive *a) {
+  LthStage *g = &s->stage;
+  lth_archive_mark(a, "stage");
+  LTH_ARCHIVE(a, g->has_old);
+  LTH_ARCHIVE(a, g->h_old);
+  if (!g->has_old || a->status != LITHE_OK || s->options.integrator < LTH_BDF2) return;
+  if (a->is_reading) a->status = lth_stage_begin(a->ctx, s);
+  LTH_ARCHIVE_ARRAY(a, g->x_old, s->n);
+  LTH_ARCHIVE_ARRAY(a, g->v_old, s->n);
+}
+
 static void walk_memory(const LthSystem *system, LthArchive *a) {
   for (LitheIndex c = 0; c < system->n_contacts; c++) lth_contact_archive(system->contacts[c], a);
   for (LitheIndex c = 0; c < system->n_couplings; c++)
@@ -44,7 +56,7 @@ static LitheStatus make_factor_again(LitheCtx *ctx, LthSimulation *s) {
   memcpy(x, s->x, bytes);
   memcpy(s->x, s->factor_x, bytes);
   LitheStatus status = lth_step_analyse(ctx, s);
-  if (status == LITHE_OK) status = lth_step_assemble(ctx, s, s->factor_t);
+  if (status == LITHE_OK) status = lth_step_assemble(ctx, s, s->factor_t, s->x);
   if (status == LITHE_OK) {
     lth_step_combine(ctx, s, 1, s->factor_step * s->factor_step, s->factor_step);
     lth_step_constrain(ctx, s);
@@ -66,6 +78,7 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE_ARRAY(a, s->x, s->n);
   LTH_ARCHIVE_ARRAY(a, s->v, s->n);
   LTH_ARCHIVE_ARRAY(a, s->freedom, s->system->n_bodies);
+  walk_stage(s, a);
   walk_memory(s->system, a);
   walk_choice(s, a);
   walk_factor(s, a);

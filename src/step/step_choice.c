@@ -146,7 +146,7 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
   }
   if (lags) {
     s->factor_step = h;
-    s->factor_t = s->t + h;
+    s->factor_t = s->stage.t1;
     memcpy(s->factor_x, s->x, sizeof *s->x * (size_t)s->n);
     s->has_lagged = s->fresh = true;
     s->stale = false;

@@ -55,8 +55,8 @@ static double force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held
 
 /// Assemble at the present state and measure how far it is from equilibrium.
 static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
-  LITHE_TRY(lth_step_assemble(ctx, s, q->t));
-  LITHE_TRY(lth_step_drive(ctx, s, q->t, 1));
+  LITHE_TRY(lth_step_assemble(ctx, s, q->t, s->x));
+  LITHE_TRY(lth_step_drive(ctx, s, q->t, 1, s->x));
   memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
   LITHE_TRY(contact_force(ctx, s, q->t, s->rhs));
   double contact = lth_step_norm(ctx, s->n, s->rhs);
@@ -181,6 +181,7 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   memcpy(s->f_before, s->f_ext, bytes);
   memset(s->v, 0, bytes);
   s->report.newton_iterations = 0;
+  s->contact_stands = false;
   LITHE_TRY(lth_step_choose(ctx, s, true));
   LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   s->report.converged = before && balanced;

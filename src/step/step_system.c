@@ -12,25 +12,26 @@ double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y) {
   return sqrt(lth_dot(lth_threads(ctx), n, y, y));
 }
 
-LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t) {
+LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const double *at) {
   double start = lth_now();
   lth_system_update_rotations(s->system, s->x);
   lth_system_assemble(s->system, t, s->A, s->f0);
   LITHE_TRY(lth_system_external_force(ctx, s->system, t, s->x, s->f_ext));
-  lth_block_matrix_apply(s->A, lth_threads(ctx), s->x, s->force);
+  lth_block_matrix_apply(s->A, lth_threads(ctx), at, s->force);
   for (LitheCount i = 0; i < s->n; i++) s->force[i] = s->f_ext[i] + s->f0[i] - s->force[i];
   s->report.time_assemble += lth_now() - start;
   return LITHE_OK;
 }
 
-LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h) {
+LitheStatus lth_step_drive(LitheCtx *ctx, LthSimulation *s, double t, double h,
+                           const double *from) {
   (void)ctx;
   const LthSystem *system = s->system;
   if (!system->has_held) return LITHE_OK;
   memcpy(s->scratch, s->x, sizeof *s->x * (size_t)s->n);
   LITHE_TRY(lth_system_prescribe(system, t, s->scratch));
   for (LitheCount i = 0; i < s->n; i++)
-    s->driven[i] = system->held[i] ? (s->scratch[i] - s->x[i]) / h : 0;
+    s->driven[i] = system->held[i] ? (s->scratch[i] - from[i]) / h : 0;
   return LITHE_OK;
 }
 
@@ -76,10 +77,10 @@ static void apply_factor(const void *self, int threads, const double *x, double 
   memset(y, 0, sizeof *y * (size_t)inverse->s->n); // a direction without energy ends the iteration
 }
 
-/// rhs = base plus contact; the preconditioner takes contact's diagonal in.
-static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
+/// rhs = base plus contact.
+static void add_contact(LthSimulation *s) {
   memcpy(s->rhs, s->base, sizeof *s->rhs * (size_t)s->n);
-  if (!s->contact_on) return LITHE_OK;
+  if (!s->contact_on) return;
   lth_step_contact_rhs(s, s->rhs);
   if (s->system->has_held) { // rhs -= C driven
     memset(s->scratch, 0, sizeof *s->scratch * (size_t)s->n);
@@ -87,9 +88,17 @@ static LitheStatus add_contact(LitheCtx *ctx, LthSimulation *s) {
     for (LitheCount i = 0; i < s->n; i++) s->rhs[i] -= s->scratch[i];
     lth_system_zero_held(s->system, s->rhs);
   }
-  if (s->use_cholesky) return LITHE_OK;
-  lth_step_contact_diagonal(s, s->extra);
-  return lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra);
+}
+
+void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double *scale) {
+  double *r = s->scratch;
+  add_contact(s);
+  *scale = lth_step_norm(ctx, s->n, s->rhs);
+  if (s->system->has_held) lth_system_zero_held(s->system, s->solution);
+  apply_system(s, lth_threads(ctx), s->solution, r);
+  for (LitheCount i = 0; i < s->n; i++) r[i] = s->rhs[i] - r[i];
+  *residual = lth_step_norm(ctx, s->n, r);
+  for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
 }
 
 static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
@@ -117,7 +126,11 @@ static void add_driven(const LthSimulation *s) {
 
 /// Solve with the contact set as it stands.
 static LitheStatus solve_pass(LitheCtx *ctx, LthSimulation *s, double tolerance, bool *converged) {
-  LITHE_TRY(add_contact(ctx, s));
+  add_contact(s);
+  if (s->contact_on && !s->use_cholesky) { // the preconditioner takes contact's diagonal in
+    lth_step_contact_diagonal(s, s->extra);
+    LITHE_TRY(lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra));
+  }
   lth_system_zero_held(s->system, s->solution);
   LthSolveReport r;
   LITHE_TRY(solve_once(ctx, s, tolerance, &r));
@@ -139,9 +152,10 @@ LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
   bool converged = true;
   s->report.linear_iterations = 0;
   for (int pass = 0; pass < CONTACT_PASSES; pass++) {
-    bool last = pass == CONTACT_PASSES - 1 || !s->contact_on || rough == tolerance;
+    bool last =
+        pass == CONTACT_PASSES - 1 || !s->contact_on || s->contact_stands || rough == tolerance;
     LITHE_TRY(solve_pass(ctx, s, last ? tolerance : rough, &converged));
-    if (!s->has_contact) break;
+    if (!s->has_contact || s->contact_stands) break;
     bool changed = lth_step_contact_revise(s, s->solution);
     if (!changed && last) break;
     rough = changed ? fmax(tolerance, CONTACT_TOLERANCE) : tolerance;

@@ -77,6 +77,16 @@ static LitheStatus gather_held(LitheCtx *ctx, LthSystem *s) {
   return LITHE_OK;
 }
 
+/// Forces that are not linear in the position: warped bodies, loads and couplings that turn with them.
+static bool find_nonlinear(const LthSystem *s) {
+  bool found = s->warped;
+  for (LitheIndex b = 0; b < s->n_bodies; b++)
+    for (LitheIndex i = 0; i < s->bodies[b].n_loads; i++)
+      found |= s->bodies[b].loads[i].kind == LTH_LOAD_PRESSURE && s->bodies[b].loads[i].follower;
+  for (LitheIndex c = 0; c < s->n_couplings; c++) found |= s->couplings[c].update_rotations != NULL;
+  return found;
+}
+
 static LitheStatus prepare_forces(LitheCtx *ctx, LthSystem *s) {
   LTH_NEW(ctx, s->one, s->n / 3);
   LTH_NEW(ctx, s->f_fixed, s->n);
@@ -128,6 +138,7 @@ LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem 
   LITHE_TRY_OR(done, lay_out(ctx, s));
   place_contacts(s, def->contacts);
   LITHE_TRY_OR(done, gather_held(ctx, s));
+  s->is_nonlinear = find_nonlinear(s);
   LITHE_TRY_OR(done, prepare_forces(ctx, s));
   *system = s;
   s = NULL;

@@ -57,6 +57,7 @@ typedef struct LthSystem {
   LitheIndex *row_body; ///< body of a block row                              (n_rows)
   double gravity[3];
   bool warped;           ///< some body is
+  bool is_nonlinear;     ///< warped, or forces follow the position otherwise
   bool has_held;         ///< some unknown is
   uint8_t *held;         ///< (n), NULL where none is
   uint8_t *row_held;     ///< some unknown of a block row is, or NULL          (n_rows)

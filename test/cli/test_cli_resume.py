@@ -121,6 +121,9 @@ def check_resumes(what, scene, places, sets=()):
 
 check_resumes("drop", DROP, [(2, signal.SIGKILL), (6, signal.SIGINT), (11, signal.SIGTERM), (13, signal.SIGKILL)])
 check_resumes("bend", BEND, [(3, signal.SIGKILL), (6, signal.SIGINT)])
+for kind in ("newton-euler", "bdf2", "newmark"):
+    check_resumes("drop by " + kind, DROP.replace("duration: 0.3", "duration: 0.16"), [(7, signal.SIGKILL)],
+                  ["time.integrator=" + kind])
 check_resumes("drop by pcg", DROP, [(6, signal.SIGKILL)], ["solver.linear=pcg"])
 
 

@@ -94,9 +94,6 @@ static void refuses_what_is_not_built_yet(void **state) {
                         "--set cuts=[{at: 1}]: cuts: " UNBUILT "a list of 1; leave it out");
   EXPECT_OVERRIDE_ERROR("adapt={h: {}}",
                         "--set adapt={h: {}}: adapt: " UNBUILT "a mapping; leave it out");
-  EXPECT_OVERRIDE_ERROR("time={kind: dynamic, step: 1, duration: 1, integrator: bdf2}",
-                        "--set time={kind: dynamic, step: 1, duration: 1, integrator: bdf2}: "
-                        "time.integrator: " UNBUILT "\"bdf2\"; available: implicit-euler");
   EXPECT_OVERRIDE_ERROR("solver.linear=petsc", "--set solver.linear=petsc: solver.linear: " UNBUILT
                                                "\"petsc\"; available: auto, cholesky or pcg");
   EXPECT_OVERRIDE_ERROR("output.fields=[vti]",
