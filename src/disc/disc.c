@@ -1,6 +1,7 @@
-/// Sampling of vector fields of any discretisation.
+/// What all discretisations share: sampling of vector fields, loads on boundary that is held in part.
 #include "disc/disc.h"
 
+#include <math.h>
 #include <string.h>
 
 void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc) {
@@ -40,4 +41,16 @@ void lth_disc_mean_gradient(const LthDisc *disc, LitheIndex cell, const double *
   double dphi[3 * LTH_DISC_MAX_FUNCS];
   int n = disc->table->mean_gradient(disc, cell, func, dphi);
   add_gradients(n, func, dphi, coef, gradient);
+}
+
+void lth_load_release(const LthLoad *load, const double n[3], double force[3]) {
+  double m[3], size = 0, along = 0;
+  for (int a = 0; a < 3; a++) {
+    if (load->blocked[a]) force[a] = 0;
+    m[a] = load->blocked_normal && !load->blocked[a] ? n[a] : 0;
+    size += m[a] * m[a];
+    along += m[a] * force[a];
+  }
+  if (size < 1e-24) return; // the normal lies among the blocked components
+  for (int a = 0; a < 3; a++) force[a] -= along / size * m[a];
 }

@@ -20,8 +20,14 @@ typedef struct LthLoad {
   const LthPatches *patches; ///< borrowed for life; NULL for body forces
   LthValue value[3];
   LthValue stress[9];
-  bool follower; ///< pressure that turns and stretches with the surface
+  bool follower;       ///< pressure that turns and stretches with the surface
+  bool blocked[3];     ///< components that the boundary holds there: the support takes their force
+  bool blocked_normal; ///< so it does along the normal (a roller)
+  double area;         ///< what a total force is spread over [m^2]; 0: the patches
 } LthLoad;
+
+/// Take the blocked directions out of a force on boundary with unit normal n.
+void lth_load_release(const LthLoad *load, const double n[3], double force[3]);
 
 /// A weakly imposed displacement on part of the boundary.
 typedef struct LthWeakConstraint {

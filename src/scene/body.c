@@ -90,8 +90,7 @@ LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, const LthScene
 }
 
 static void free_patches(LitheCtx *ctx, LthBody *b) {
-  LitheIndex n = b->def->n_constraints + b->def->n_loads;
-  for (LitheIndex i = 0; b->patches && i < n; i++) lth_patches_destroy(ctx, b->patches + i);
+  for (LitheCount i = 0; i < b->n_patches; i++) lth_patches_destroy(ctx, b->patches + i);
   lth_free(ctx, b->patches);
 }
 

@@ -26,13 +26,16 @@ typedef struct LthBody {
   double mass; ///< [kg]
 
   // constraints and loads (build_constraint.c, build_load.c)
-  LthPatches **patches; ///< of constraints, then of loads; NULL where there are none
+  LthPatches **patches; ///< of constraints and loads                     (n_patches)
+  LitheCount n_patches, cap_patches;
   LthWeakConstraint *weak;
   LitheIndex *weak_of; ///< scene constraint behind each weak one          (n_weak)
   LitheIndex n_weak;
+  LitheCount cap_weak, cap_weak_of;
   LthDgStrong *strong; ///< NULL: none
-  LthLoad *loads;
+  LthLoad *loads;      ///< parts of the scene's that differ in what is held
   LitheIndex n_loads;
+  LitheCount cap_loads;
 
   LthDgOperator *op;
   LthDisc *disc; ///< what all the rest sees of space and operator
@@ -83,6 +86,12 @@ LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
 /// The grid that a body's resolution asks for, over the box of its shape.
 LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],
                            const double max[3], LthGrid *grid);
+
+/// Strong and interior constraints hold unknowns of elements, the others act on the boundary.
+bool lth_is_strong(const LthSceneConstraint *constraint);
+
+/// Take over patches, which live as long as the body; they are freed where that fails.
+LitheStatus lth_body_own_patches(LitheCtx *ctx, LthBody *body, LthPatches *patches);
 
 /// The patches that `where` selects; none is an error that names `place` and the body's box.
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,

@@ -1,57 +1,85 @@
 /// Loads of a scene -> loads on boundary patches and in the volume.
-#include "scene/body.h"
+#include "scene/boundary_parts.h"
 
 #include <string.h>
 
-/// True where a constraint prescribes everything weakly: a traction there would be an error of consistency,
-/// for the boundary integral of the forces then runs over the rest of the boundary only.
-static bool holds_wholly(const LthSceneConstraint *c) {
-  return !c->strong && !c->interior && !c->normal_only && c->fixed[0] && c->fixed[1] && c->fixed[2];
+static LthLoad load_from(const LthSceneLoad *from) {
+  LthLoad load = {.kind = from->kind, .follower = from->follower};
+  memcpy(load.value, from->value, sizeof load.value);
+  memcpy(load.stress, from->stress, sizeof load.stress);
+  return load;
 }
 
-/// Patches of a load: what it selects less what is held there anyway.
-static LitheStatus select_free(LitheCtx *ctx, const LthBody *body, const LthSceneLoad *load,
-                               LthPatches **patches) {
-  const LthSceneBody *def = body->def;
-  LitheStatus status = LITHE_OK;
-  LthWhere *held = NULL, part[2] = {load->where, {.kind = LTH_WHERE_NOT, .n_children = 1}};
-  LthWhere any = {.kind = LTH_WHERE_OR}, both = {.kind = LTH_WHERE_AND, .children = part};
-  LITHE_TRY(lth_build_patches(ctx, body, load->place, &load->where, patches));
-  LTH_NEW_OR(done, ctx, held, def->n_constraints);
-  for (LitheIndex i = 0; i < def->n_constraints; i++)
-    if (holds_wholly(def->constraints + i)) held[any.n_children++] = def->constraints[i].where;
-  if (any.n_children == 0) goto done;
+static LitheStatus add_load(LitheCtx *ctx, LthBody *body, const LthLoad *load) {
+  LTH_RESERVE(ctx, body->loads, body->cap_loads, body->n_loads + 1);
+  body->loads[body->n_loads++] = *load;
+  return LITHE_OK;
+}
 
-  // borrowed parts: nothing of these trees is freed here
-  any.children = held;
-  part[1].children = &any;
-  both.n_children = 2;
-  lth_patches_destroy(ctx, patches);
-  LITHE_TRY_OR(done, lth_select_boundary(ctx, body->mesh, &both, patches));
-  if ((*patches)->n == 0)
-    status =
-        lth_fail(ctx, LITHE_BAD_INPUT,
-                 "%s.where: selects only boundary that a constraint holds, where a load has no "
-                 "effect; select more, or hold less",
-                 load->place);
-done:
-  lth_free(ctx, held);
+/// Nothing of a load is left on a part: the support takes all of it (or it is zero).
+static bool is_taken(const LthLoad *load, const LthBoundaryPart *part) {
+  if (load->kind == LTH_LOAD_PRESSURE) return part->blocked_normal && !load->follower;
+  if (load->kind == LTH_LOAD_STRESS) return false;
+  for (int a = 0; a < 3; a++)
+    if (!part->blocked[a] && (load->value[a].eval || load->value[a].constant != 0)) return false;
+  return true;
+}
+
+/// What acts of a load on boundary: nothing where a constraint holds it, and only the free components where it
+/// is held in part. The weak form has the traction of held components as an unknown of its own there; a load
+/// beside it would be an error of consistency. (Strong constraints hold whole elements: their unknowns take no
+/// force, wherever it acts.)
+static LitheStatus add_parts(LitheCtx *ctx, LthBody *body, const LthSceneLoad *from,
+                             const LthBoundaryParts *parts) {
+  LitheIndex before = body->n_loads;
+  double area = 0;
+  for (LitheCount i = 0; i < parts->n; i++)
+    for (LitheIndex p = 0; p < parts->items[i].patches->n; p++)
+      area += parts->items[i].patches->area[p];
+  for (LitheCount i = 0; i < parts->n; i++) {
+    const LthBoundaryPart *part = parts->items + i;
+    LthLoad load = load_from(from);
+    load.patches = part->patches;
+    memcpy(load.blocked, part->blocked, sizeof load.blocked);
+    load.blocked_normal = part->blocked_normal;
+    load.area = area;
+    if (!is_taken(&load, part)) LITHE_TRY(add_load(ctx, body, &load));
+  }
+  static const LthBoundaryPart nothing_held = {0};
+  LthLoad whole = load_from(from);
+  if (body->n_loads > before || (parts->n > 0 && is_taken(&whole, &nothing_held))) return LITHE_OK;
+  LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+             "%s.where: selects only boundary that a constraint holds, where a load has no effect; "
+             "select more, or hold less",
+             from->place);
+}
+
+static LitheStatus build_boundary(LitheCtx *ctx, LthBody *body, const LthSceneLoad *from,
+                                  LitheIndex n_weak, const LitheIndex *weak) {
+  LthBoundaryParts parts;
+  LitheStatus status =
+      lth_boundary_divide(ctx, body, from->place, &from->where, n_weak, weak, &parts);
+  if (status == LITHE_OK) status = add_parts(ctx, body, from, &parts);
+  lth_free(ctx, parts.items);
   return status;
 }
 
 LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body) {
+  LitheStatus status = LITHE_OK;
   const LthSceneBody *def = body->def;
-  LTH_NEW(ctx, body->loads, def->n_loads);
+  LitheIndex *weak = NULL, n_weak = 0;
+  LTH_NEW_OR(done, ctx, weak, def->n_constraints);
+  for (LitheIndex i = 0; i < def->n_constraints; i++)
+    if (!lth_is_strong(def->constraints + i)) weak[n_weak++] = i;
   for (LitheIndex i = 0; i < def->n_loads; i++) {
     const LthSceneLoad *from = def->loads + i;
-    LthPatches **patches = body->patches + def->n_constraints + i;
-    LthLoad *load = body->loads + body->n_loads++;
-    *load = (LthLoad){.kind = from->kind, .follower = from->follower};
-    memcpy(load->value, from->value, sizeof load->value);
-    memcpy(load->stress, from->stress, sizeof load->stress);
-    if (from->kind == LTH_LOAD_BODY_FORCE) continue;
-    LITHE_TRY(select_free(ctx, body, from, patches));
-    load->patches = *patches;
+    LthLoad load = load_from(from);
+    if (from->kind == LTH_LOAD_BODY_FORCE)
+      LITHE_TRY_OR(done, add_load(ctx, body, &load));
+    else
+      LITHE_TRY_OR(done, build_boundary(ctx, body, from, n_weak, weak));
   }
-  return LITHE_OK;
+done:
+  lth_free(ctx, weak);
+  return status;
 }

@@ -30,10 +30,6 @@ static void read_prescribed(LthReader *r, const LthNode *node, const char *key,
                "it holds nothing, got only null; expected at least one number or expression");
 }
 
-static bool has_free_component(const LthSceneConstraint *c) {
-  return !c->normal_only && !(c->fixed[0] && c->fixed[1] && c->fixed[2]);
-}
-
 static LitheStatus read_constraint(LthReader *r, const LthNode *node, LthSceneConstraint *c) {
   static const char *const enforcements[] = {"weak", "strong", NULL};
   LITHE_TRY(copy_path(r, node, &c->path));
@@ -42,14 +38,9 @@ static LitheStatus read_constraint(LthReader *r, const LthNode *node, LthSceneCo
   read_prescribed(r, node, c->is_position ? "position" : "displacement", c);
   c->strong = lth_read_word(node, "enforce", enforcements) == 1;
   c->interior = lth_read_flag(node, "interior");
-  if (c->strong && c->normal_only)
-    lth_report(r->report, lth_node_find(node, "enforce"),
-               "strong cannot hold a normal component alone, got %s; expected weak",
-               lth_show(r->arena, lth_node_find(node, "enforce")));
-  else if (c->strong && has_free_component(c))
-    lth_report(r->report, lth_node_find(node, "enforce"),
-               "strong moves whole elements, got it with null in the vector; expected weak or "
-               "three numbers");
+  if (c->interior && c->normal_only)
+    lth_report(r->report, lth_node_find(node, "interior"),
+               "a roller is of the boundary, got true; expected false, or components beside it");
   return lth_read_where(r, lth_node_get(node, "where"), &c->where);
 }
 

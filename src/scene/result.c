@@ -125,7 +125,7 @@ static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, const doub
   body->disc->table->reactions(body->disc, lth_simulation_time(body->sim), lth_body_position(body),
                                weak);
   for (LitheIndex k = 0; k < body->n_weak; k++)
-    lth_v3_copy(weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
+    lth_v3_axpy(1, weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
   if (body->strong) lth_dg_strong_add_reactions(body->strong, imbalance + body->first, reaction);
   lth_free(ctx, weak);
   return LITHE_OK;

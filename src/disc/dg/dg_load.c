@@ -22,8 +22,8 @@ static void deformed_normal(const double F[9], const double n[3], double r[3]) {
   lth_m3_apply(C, n, r);
 }
 
-/// Force density at a point.
-static void density_at(const LoadTarget *target, const double at[3], double force[3]) {
+/// Density of what acts, whatever the boundary holds.
+static void whole_density(const LoadTarget *target, const double at[3], double force[3]) {
   const LthLoad *load = target->load;
   double n[3];
   switch (load->kind) {
@@ -52,6 +52,12 @@ static void density_at(const LoadTarget *target, const double at[3], double forc
   }
 }
 
+/// Force density at a point.
+static void density_at(const LoadTarget *target, const double at[3], double force[3]) {
+  whole_density(target, at, force);
+  if (target->normal) lth_load_release(target->load, target->normal, force);
+}
+
 static bool is_constant(const LthLoad *load) {
   if (load->kind == LTH_LOAD_STRESS) {
     for (int i = 0; i < 9; i++)
@@ -63,7 +69,8 @@ static bool is_constant(const LthLoad *load) {
 }
 
 /// f_i += weight force(at) phi_i(at)
-static void add_point(const LoadTarget *target, const double at[3], double weight) {
+static void add_point(void *self, const double at[3], double weight) {
+  const LoadTarget *target = self;
   double phi[LTH_DG_MAX_FUNCS], force[3];
   lth_dg_eval(target->space, target->cell, at, phi);
   density_at(target, at, force);
@@ -71,48 +78,23 @@ static void add_point(const LoadTarget *target, const double at[3], double weigh
   for (int i = 0; i < nb; i++) lth_v3_axpy(weight * phi[i], force, target->f + 3 * i);
 }
 
-/// Visit the signed triangles of a face.
-static void for_triangles(const LthFaceView *face, const LoadTarget *target,
-                          const LthSimplexRule *rule,
-                          void (*visit)(const LoadTarget *, const LthSimplexRule *,
-                                        const double corner[3][3], double area)) {
+/// The signed triangles of a piece of boundary.
+static void add_piece(LoadTarget *target, const LthFaceView *piece, const LthSimplexRule *rule) {
   LitheIndex t[3];
-  for (LthFan fan = lth_fan(face); lth_fan_next(&fan, t);) {
-    double corner[3][3], u[3], v[3], w[3];
-    for (int i = 0; i < 3; i++) lth_v3_copy(face->points + 3 * (LitheCount)t[i], corner[i]);
+  for (LthFan fan = lth_fan(piece); lth_fan_next(&fan, t);) {
+    const double *corner[3];
+    double u[3], v[3], w[3];
+    for (int i = 0; i < 3; i++) corner[i] = piece->points + 3 * (LitheCount)t[i];
     lth_v3_sub(corner[1], corner[0], u);
     lth_v3_sub(corner[2], corner[0], v);
     lth_v3_cross(u, v, w);
-    double area = 0.5 * lth_v3_dot(w, face->normal);
-    if (area != 0) visit(target, rule, (const double(*)[3])corner, area);
-  }
-}
-
-static void visit_surface(const LoadTarget *target, const LthSimplexRule *rule,
-                          const double corner[3][3], double area) {
-  for (int q = 0; q < lth_simplex_rule_points(rule); q++) {
-    double bary[4], at[3] = {0};
-    double weight = lth_simplex_rule_point(rule, q, bary);
-    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
-    add_point(target, at, area * weight);
-  }
-}
-
-/// The tetrahedron of a triangle and the cell's centroid.
-static void visit_volume(const LoadTarget *target, const LthSimplexRule *rule,
-                         const double corner[3][3], double area) {
-  const double *center = target->space->center + 3 * (LitheCount)target->cell;
-  double d[3];
-  lth_v3_sub(corner[0], center, d);
-  double volume = target->factor * area * lth_v3_dot(d, target->normal) / 3;
-  LoadTarget inner = *target;
-  inner.factor = 1; // it carries the side of the face here
-  for (int q = 0; q < lth_simplex_rule_points(rule); q++) {
-    double bary[4], at[3] = {0};
-    double weight = lth_simplex_rule_point(rule, q, bary);
-    lth_v3_axpy(bary[3], center, at);
-    for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
-    add_point(&inner, at, volume * weight);
+    double area = 0.5 * lth_v3_dot(w, piece->normal);
+    for (int q = 0; area != 0 && q < lth_simplex_rule_points(rule); q++) {
+      double bary[4], at[3] = {0};
+      double weight = lth_simplex_rule_point(rule, q, bary);
+      for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
+      add_point(target, at, area * weight);
+    }
   }
 }
 
@@ -137,8 +119,8 @@ static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target, double *f) {
   LthSimplexRule rule;
   LITHE_TRY(lth_simplex_rule(ctx, 2, load_degree(target->space, target->load), &rule));
   if (target->load->kind == LTH_LOAD_TOTAL_FORCE) {
-    double area = 0;
-    for (LitheIndex p = 0; p < patches->n; p++) area += patches->area[p];
+    double area = target->load->area;
+    for (LitheIndex p = 0; p < patches->n && target->load->area == 0; p++) area += patches->area[p];
     if (!(area > 0))
       LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                  "total_force: the selection has no area; choose a `where` that selects boundary");
@@ -154,7 +136,7 @@ static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target, double *f) {
     if (constant)
       add_constant(target, &view, patches->centroid + 3 * (LitheCount)p);
     else
-      for_triangles(&view, target, &rule, visit_surface);
+      add_piece(target, &view, &rule);
   }
   return LITHE_OK;
 }
@@ -176,13 +158,7 @@ static LitheStatus add_volume(LitheCtx *ctx, const LoadTarget *target, double *f
       lth_v3_axpy(mesh->cell_volume[c], force, cell.f);
       continue;
     }
-    for (LitheIndex k = mesh->cell_face_off[c]; k < mesh->cell_face_off[c + 1]; k++) {
-      LitheIndex face = mesh->cell_face[k];
-      LthFaceView view = lth_mesh_face(mesh, face);
-      cell.normal = view.normal;
-      cell.factor = lth_mesh_side(mesh, face, c);
-      for_triangles(&view, &cell, &rule, visit_volume);
-    }
+    lth_dg_visit_cell(&rule, mesh, c, add_point, &cell);
   }
   return LITHE_OK;
 }

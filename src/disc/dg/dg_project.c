@@ -3,12 +3,9 @@
 #include "disc/dg/dg_space.h"
 #include "geometry/quadrature.h"
 
-/// Called for every point of a rule over a cell.
-typedef void (*PointFn)(void *self, const double x[3], double weight);
-
 /// The points of one tetrahedron (corner 0 is the centroid).
 static void visit_tetrahedron(const LthSimplexRule *rule, const double *corner[4], double sign,
-                              PointFn visit, void *self) {
+                              LthDgPointFn visit, void *self) {
   double edge[3][3], w[3];
   for (int i = 0; i < 3; i++) lth_v3_sub(corner[i + 1], corner[0], edge[i]);
   lth_v3_cross(edge[1], edge[2], w);
@@ -21,9 +18,8 @@ static void visit_tetrahedron(const LthSimplexRule *rule, const double *corner[4
   }
 }
 
-/// The points of a cell: signed tetrahedra from its centroid to the fans of its faces.
-static void visit_cell(const LthSimplexRule *rule, const LthMesh *mesh, LitheIndex cell,
-                       PointFn visit, void *self) {
+void lth_dg_visit_cell(const LthSimplexRule *rule, const LthMesh *mesh, LitheIndex cell,
+                       LthDgPointFn visit, void *self) {
   for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
     LitheIndex f = mesh->cell_face[c];
     LthFaceView face = lth_mesh_face(mesh, f);
@@ -69,7 +65,7 @@ LitheStatus lth_dg_cell_quadrature(LitheCtx *ctx, const LthMesh *mesh, LitheInde
   LitheCount size = count_edges(mesh, cell) * lth_simplex_rule_points(&rule);
   LTH_NEW_OR(done, ctx, list.points, 3 * size);
   LTH_NEW_OR(done, ctx, list.weights, size);
-  visit_cell(&rule, mesh, cell, append_point, &list);
+  lth_dg_visit_cell(&rule, mesh, cell, append_point, &list);
   *n = list.n;
   *points = list.points;
   *weights = list.weights;
@@ -110,7 +106,7 @@ LitheStatus lth_dg_project(LitheCtx *ctx, const LthDgSpace *space,
   for (LitheIndex c = 0; c < space->n_cells; c++) {
     // coef_i = int phi_i field / int phi_0
     Projection p = {space, c, field, self, 0, coef + 3 * (LitheCount)space->func_off[c]};
-    visit_cell(&rules[space->degree[c]], space->mesh, c, add_to_projection, &p);
+    lth_dg_visit_cell(&rules[space->degree[c]], space->mesh, c, add_to_projection, &p);
     for (int i = 0; i < 3 * lth_dg_funcs(space, c); i++) p.coef[i] /= p.volume;
   }
   return LITHE_OK;

@@ -1,6 +1,7 @@
 /// Discontinuous polynomials on polyhedra: an orthogonal basis per cell, and its evaluation.
 #pragma once
 
+#include "geometry/quadrature.h"
 #include "mesh/mesh.h"
 
 #define LTH_DG_MAX_DEGREE 4
@@ -68,6 +69,11 @@ void lth_dg_mean_gradient(const LthDgSpace *space, LitheIndex cell, const double
 LitheStatus lth_dg_project(LitheCtx *ctx, const LthDgSpace *space,
                            void (*field)(const void *self, const double x[3], double value[3]),
                            const void *self, int quad_degree, double *coef);
+
+/// Visit the points of a rule over a cell: signed tetrahedra from its centroid to the fans of its faces.
+typedef void (*LthDgPointFn)(void *self, const double x[3], double weight);
+void lth_dg_visit_cell(const LthSimplexRule *rule, const LthMesh *mesh, LitheIndex cell,
+                       LthDgPointFn visit, void *self);
 
 /// Quadrature over a cell: signed tetrahedra from its centroid to its faces' triangles; exact for
 /// polynomials of `degree`. Caller frees points (n x 3) and weights (n) [m^3].

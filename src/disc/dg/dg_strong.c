@@ -6,11 +6,11 @@
 
 #include <string.h>
 
-/// One prescribed cell: coefficient i = sum_q test[i][q] place(points[q]).
+/// A cell with prescribed components: coefficient i of them = sum_q test[i][q] place(points[q]).
 typedef struct StrongCell {
-  LitheIndex cell, motion, n; ///< n quadrature points
-  double *points;             ///< (n x 3)
-  double *test;               ///< weight phi_i / |K|                       (funcs x n)
+  LitheIndex cell, motion[3], n; ///< motion -1: free; n quadrature points
+  double *points;                ///< (n x 3)
+  double *test;                  ///< weight phi_i / |K|                    (funcs x n)
 } StrongCell;
 
 struct LthDgStrong {
@@ -36,25 +36,30 @@ void lth_dg_strong_destroy(LitheCtx *ctx, LthDgStrong **strong) {
 
 const uint8_t *lth_dg_strong_held(const LthDgStrong *strong) { return strong->held; }
 
-static void place_at(const LthStrongMotion *motion, const double x[3], double t, double place[3]) {
-  for (int a = 0; a < 3; a++)
-    place[a] = lth_value_at(motion->value + a, x, t) + (motion->is_position ? 0 : x[a]);
+/// Place of component a.
+static double place_at(const LthStrongMotion *motion, int a, const double x[3], double t) {
+  double value = motion->factor * lth_value_at(motion->value + a, x, t);
+  return value + (motion->is_position ? 0 : x[a]);
+}
+
+static void prescribe_component(const LthDgStrong *strong, const StrongCell *cell, int a, double t,
+                                double *x) {
+  const LthStrongMotion *motion = strong->motions + cell->motion[a];
+  int funcs = lth_dg_funcs(strong->space, cell->cell);
+  for (int f = 0; f < funcs; f++) x[3 * f + a] = 0;
+  for (LitheIndex q = 0; q < cell->n; q++) {
+    double place = place_at(motion, a, cell->points + 3 * (LitheCount)q, t);
+    for (int f = 0; f < funcs; f++) x[3 * f + a] += cell->test[(LitheCount)f * cell->n + q] * place;
+  }
 }
 
 LitheStatus lth_dg_strong_prescribe(const void *self, double t, double *x) {
   const LthDgStrong *strong = self;
   for (LitheIndex i = 0; i < strong->n; i++) {
     const StrongCell *cell = strong->cells + i;
-    LitheIndex first = strong->space->func_off[cell->cell];
-    int funcs = lth_dg_funcs(strong->space, cell->cell);
-    memset(x + 3 * (LitheCount)first, 0, sizeof *x * 3 * (size_t)funcs);
-    for (LitheIndex q = 0; q < cell->n; q++) {
-      double place[3];
-      place_at(strong->motions + cell->motion, cell->points + 3 * (LitheCount)q, t, place);
-      for (int f = 0; f < funcs; f++)
-        for (int a = 0; a < 3; a++)
-          x[3 * (LitheCount)(first + f) + a] += cell->test[(LitheCount)f * cell->n + q] * place[a];
-    }
+    double *first = x + 3 * (LitheCount)strong->space->func_off[cell->cell];
+    for (int a = 0; a < 3; a++)
+      if (cell->motion[a] >= 0) prescribe_component(strong, cell, a, t, first);
   }
   return LITHE_OK;
 }
@@ -65,14 +70,16 @@ void lth_dg_strong_add_reactions(const LthDgStrong *strong, const double *imbala
     const StrongCell *cell = strong->cells + i;
     // phi_0 = 1: its coefficient of a force is the whole force on the cell
     const double *force = imbalance + 3 * (LitheCount)strong->space->func_off[cell->cell];
-    lth_v3_axpy(-1, force, reaction + 3 * (LitheCount)cell->motion);
+    for (int a = 0; a < 3; a++)
+      if (cell->motion[a] >= 0)
+        reaction[3 * (LitheCount)strong->motions[cell->motion[a]].constraint + a] -= force[a];
   }
 }
 
 static LitheStatus prepare_cell(LitheCtx *ctx, const LthDgSpace *space, StrongCell *cell) {
   double phi[LTH_DG_MAX_FUNCS], *weights = NULL;
   int funcs = lth_dg_funcs(space, cell->cell);
-  LITHE_TRY(lth_dg_cell_quadrature(ctx, space->mesh, cell->cell, 2 * space->degree[cell->cell],
+  LITHE_TRY(lth_dg_cell_quadrature(ctx, space->mesh, cell->cell, 2 * space->degree[cell->cell] + 2,
                                    &cell->n, &cell->points, &weights));
   LitheStatus status = LITHE_OK;
   LTH_NEW_OR(done, ctx, cell->test, (LitheCount)funcs * cell->n);
@@ -88,19 +95,26 @@ done:
   return status;
 }
 
+static bool is_held(const LitheIndex *motion_of, LitheIndex cell) {
+  const LitheIndex *m = motion_of + 3 * (LitheCount)cell;
+  return m[0] >= 0 || m[1] >= 0 || m[2] >= 0;
+}
+
 static LitheStatus prepare_all(LitheCtx *ctx, const LitheIndex *motion_of, LthDgStrong *strong) {
-  LitheIndex n = 0, n_cells = strong->space->n_cells;
-  for (LitheIndex c = 0; c < n_cells; c++) n += motion_of[c] >= 0;
-  LTH_NEW(ctx, strong->held, strong->space->n_dofs);
+  const LthDgSpace *space = strong->space;
+  LitheIndex n = 0;
+  for (LitheIndex c = 0; c < space->n_cells; c++) n += is_held(motion_of, c);
+  LTH_NEW(ctx, strong->held, space->n_dofs);
   LTH_NEW(ctx, strong->cells, n);
-  for (LitheIndex c = 0; c < n_cells; c++) {
-    if (motion_of[c] < 0) continue;
+  for (LitheIndex c = 0; c < space->n_cells; c++) {
+    if (!is_held(motion_of, c)) continue;
     StrongCell *cell = strong->cells + strong->n++;
-    memset(strong->held + 3 * (LitheCount)strong->space->func_off[c], 1,
-           3 * (size_t)lth_dg_funcs(strong->space, c));
     cell->cell = c;
-    cell->motion = motion_of[c];
-    LITHE_TRY(prepare_cell(ctx, strong->space, cell));
+    memcpy(cell->motion, motion_of + 3 * (LitheCount)c, sizeof cell->motion);
+    LitheCount first = 3 * (LitheCount)space->func_off[c],
+               last = 3 * (LitheCount)space->func_off[c + 1];
+    for (LitheCount i = first; i < last; i++) strong->held[i] = cell->motion[i % 3] >= 0;
+    LITHE_TRY(prepare_cell(ctx, space, cell));
   }
   return LITHE_OK;
 }
