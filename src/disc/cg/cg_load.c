@@ -47,6 +47,7 @@ static void point_force(const LoadTarget *target, const LthCgPoint *point, doubl
     for (int a = 0; a < 3; a++)
       force[a] = weight * lth_value_at(&load->value[a], point->at, target->t);
   }
+  lth_load_release(load, point->normal, force);
 }
 
 static void add_point(void *self, const LthCgPoint *point) {
@@ -65,7 +66,8 @@ static void add_area(void *self, const LthCgPoint *point) {
 static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target) {
   const LthPatches *patches = target->load->patches;
   if (target->load->kind == LTH_LOAD_TOTAL_FORCE) {
-    for (LitheIndex i = 0; i < patches->n; i++)
+    target->area = target->load->area;
+    for (LitheIndex i = 0; i < patches->n && target->load->area == 0; i++)
       lth_cg_visit_patch(target->d, patches, i, add_area, target);
     if (!(target->area > 0))
       LITHE_FAIL(ctx, LITHE_BAD_INPUT,
