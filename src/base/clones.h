@@ -4,7 +4,7 @@
 // gcc on x86-64 with glibc only; the sanitizers' run time is not ready when the choice is made
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) &&   \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LTH_CLONES __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#define LTH_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define LTH_CLONES
 #endif

@@ -134,6 +134,10 @@ void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const d
               r + M->row_off[row], z + M->row_off[row]);
 }
 
+const double *lth_block_jacobi_inverse(const LthBlockJacobi *M, LitheIndex row) {
+  return M->inv + M->inv_off[row];
+}
+
 static void apply_inverse(const void *self, int threads, const double *r, double *z) {
   const LthBlockJacobi *M = self;
 #pragma omp parallel for schedule(static) num_threads(threads) if (is_large(M))

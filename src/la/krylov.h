@@ -43,6 +43,9 @@ LthOperator lth_block_jacobi_operator(const LthBlockJacobi *M);
 void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const double *r,
                                 double *z);
 
+/// The inverse block of one row, symmetric and row-major.
+const double *lth_block_jacobi_inverse(const LthBlockJacobi *M, LitheIndex row);
+
 LthOperator lth_block_matrix_operator(const LthBlockMatrix *A);
 
 /// Dot product in fixed blocks.

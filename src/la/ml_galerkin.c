@@ -1,0 +1,261 @@
+/// Galerkin products: P^T A P column by column, and the leading unknowns of block rows.
+#include "la/ml_priv.h"
+
+#include "base/clones.h"
+
+#include <omp.h>
+#include <string.h>
+
+#define WIDE 8
+
+typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
+
+/// Fine rows that A P has in column J: neighbours of P's rows there, in the order of their discovery. `slot`
+/// (n_rows) is -1 everywhere before and after; during the call it tells the place in `list`.
+static LitheIndex reach(const LthBlockMatrix *A, const LthTransfer *P, LitheIndex J,
+                        LitheIndex *slot, LitheIndex *list) {
+  LitheIndex n = 0;
+  for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++)
+    for (LitheCount e = A->block_off[P->twin_row[t]]; e < A->block_off[P->twin_row[t] + 1]; e++)
+      if (slot[A->block_col[e]] < 0) {
+        slot[A->block_col[e]] = n;
+        list[n++] = A->block_col[e];
+      }
+  return n;
+}
+
+static void forget(LitheIndex n, const LitheIndex *list, LitheIndex *slot) {
+  for (LitheIndex i = 0; i < n; i++) slot[list[i]] = -1;
+}
+
+/// Columns of P in the rows listed, unsorted; `seen` (n_cols) holds J where a column was met for J.
+static LitheIndex coarse_columns(const LthTransfer *P, LitheIndex J, LitheIndex n,
+                                 const LitheIndex *list, LitheIndex *seen, LitheIndex *col) {
+  LitheIndex count = 0;
+  for (LitheIndex i = 0; i < n; i++)
+    for (LitheCount e = P->block_off[list[i]]; e < P->block_off[list[i] + 1]; e++)
+      if (seen[P->block_col[e]] != J) {
+        seen[P->block_col[e]] = J;
+        if (col) col[count] = P->block_col[e];
+        count++;
+      }
+  return count;
+}
+
+static void sort(LitheIndex n, LitheIndex *list) {
+  for (LitheIndex i = 1; i < n; i++) {
+    LitheIndex value = list[i], at = i;
+    for (; at > 0 && list[at - 1] > value; at--) list[at] = list[at - 1];
+    list[at] = value;
+  }
+}
+
+static LitheStatus make_scratch(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex most,
+                                LthGalerkin *g) {
+  LitheCount block = 0;
+  for (LitheIndex i = 0; i < A->n_rows; i++)
+    if (lth_ml_size(A, i) * WIDE > block) block = lth_ml_size(A, i) * WIDE;
+  bool fits = g->slot && g->threads == lth_threads(ctx) && g->n_rows >= A->n_rows &&
+              g->most >= most && g->block >= block;
+  if (fits) return LITHE_OK;
+  if (A->n_rows > g->n_rows) g->n_rows = A->n_rows;
+  if (most > g->most) g->most = most;
+  if (block > g->block) g->block = block;
+  g->threads = lth_threads(ctx);
+  lth_ml_galerkin_free(ctx, g);
+  LTH_NEW(ctx, g->slot, (LitheCount)g->threads * g->n_rows);
+  LTH_NEW(ctx, g->list, (LitheCount)g->threads * g->most);
+  LTH_NEW(ctx, g->product, (LitheCount)g->threads * g->most * g->block);
+  memset(g->slot, 0xff, sizeof *g->slot * (size_t)g->threads * (size_t)g->n_rows);
+  return LITHE_OK;
+}
+
+void lth_ml_galerkin_free(LitheCtx *ctx, LthGalerkin *g) {
+  lth_free(ctx, g->slot);
+  lth_free(ctx, g->list);
+  lth_free(ctx, g->product);
+  g->slot = NULL;
+  g->list = NULL;
+  g->product = NULL;
+}
+
+LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthBlockMatrix *A, const LthTransfer *P,
+                                   LthGalerkin *g, LthBlockMatrix **coarse) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex *slot = NULL, *list = NULL, *seen = NULL, *col = NULL, most = 0;
+  LitheCount *off = NULL;
+  *coarse = NULL;
+  LTH_NEW_OR(done, ctx, slot, A->n_rows);
+  LTH_NEW_OR(done, ctx, list, A->n_rows);
+  LTH_NEW_OR(done, ctx, seen, P->n_cols);
+  LTH_NEW_OR(done, ctx, off, P->n_cols + 1);
+  memset(slot, 0xff, sizeof *slot * (size_t)A->n_rows);
+  memset(seen, 0xff, sizeof *seen * (size_t)P->n_cols);
+  for (int pass = 0; pass < 2; pass++) {
+    for (LitheIndex J = 0; J < P->n_cols; J++) {
+      LitheIndex n = reach(A, P, J, slot, list);
+      LitheIndex count = coarse_columns(P, J, n, list, seen, col ? col + off[J] : NULL);
+      forget(n, list, slot);
+      if (n > most) most = n;
+      if (pass == 0) off[J + 1] = off[J] + count;
+      if (pass == 1) sort(count, col + off[J]);
+    }
+    if (pass == 0) LTH_NEW_OR(done, ctx, col, off[P->n_cols]);
+    memset(seen, 0xff, sizeof *seen * (size_t)P->n_cols);
+  }
+  if (lth_ml_transfer_widest(P) > most) most = lth_ml_transfer_widest(P);
+  LITHE_TRY_OR(done, make_scratch(ctx, A, most, g));
+  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, P->n_cols, P->col_off, off, col, coarse));
+done:
+  lth_free(ctx, slot);
+  lth_free(ctx, list);
+  lth_free(ctx, seen);
+  lth_free(ctx, col);
+  lth_free(ctx, off);
+  return status;
+}
+
+/// to (m x 8) = B (m x n), zeros behind.
+static void pad(int m, int n, const double *restrict B, double *restrict to) {
+  memset(to, 0, sizeof *to * (size_t)(WIDE * m));
+  for (int r = 0; r < m; r++)
+    for (int c = 0; c < n; c++) to[WIDE * r + c] = B[r * n + c];
+}
+
+/// T (n x 8) += B^T Q, B (m x n), Q (m x 8).
+LTH_CLONES
+static void add_transposed(int m, int n, const double *restrict B, const double *restrict Q,
+                           double *restrict T) {
+  int c = 0;
+  for (; c + 3 <= n; c += 3) {
+    Wide t0 = {0}, t1 = {0}, t2 = {0};
+    for (int k = 0; k < m; k++) {
+      const Wide q = *(const Wide *)(Q + WIDE * k);
+      t0 += B[k * n + c] * q;
+      t1 += B[k * n + c + 1] * q;
+      t2 += B[k * n + c + 2] * q;
+    }
+    *(Wide *)(T + WIDE * c) += t0;
+    *(Wide *)(T + WIDE * (c + 1)) += t1;
+    *(Wide *)(T + WIDE * (c + 2)) += t2;
+  }
+  for (; c < n; c++) {
+    Wide t = {0};
+    for (int k = 0; k < m; k++) t += B[k * n + c] * *(const Wide *)(Q + WIDE * k);
+    *(Wide *)(T + WIDE * c) += t;
+  }
+}
+
+/// C (n x nj) += P^T T, P (m x n), T (m x 8).
+LTH_CLONES
+static void add_outer(int m, int n, int nj, const double *restrict P, const double *restrict T,
+                      double *restrict C) {
+  Wide sum[LTH_ML_MODES];
+  for (int a = 0; a < n; a++) sum[a] = (Wide){0};
+  if (n == LTH_ML_MODES)
+    for (int k = 0; k < m; k++)
+      for (int a = 0; a < LTH_ML_MODES; a++)
+        sum[a] += P[k * LTH_ML_MODES + a] * *(const Wide *)(T + WIDE * k);
+  else
+    for (int k = 0; k < m; k++)
+      for (int a = 0; a < n; a++) sum[a] += P[k * n + a] * *(const Wide *)(T + WIDE * k);
+  for (int a = 0; a < n; a++)
+    for (int b = 0; b < nj; b++) C[a * nj + b] += sum[a][b];
+}
+
+/// Column J of the coarse matrix, the blocks on and above the diagonal: first A P, then P^T of that.
+static void fill_column(const LthLevel *fine, LitheIndex J, LitheIndex *slot, LitheIndex *list,
+                        double *product, LitheCount block, LthBlockMatrix *coarse) {
+  const LthBlockMatrix *A = fine->A;
+  const LthTransfer *P = fine->P;
+  double Q[LTH_ML_ROW * WIDE];
+  const LitheIndex n = reach(A, P, J, slot, list);
+  const int nj = (int)(P->col_off[J + 1] - P->col_off[J]);
+  memset(product, 0, sizeof *product * (size_t)(n * block));
+  for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++) {
+    const LitheIndex i = P->twin_row[t];
+    const int m = lth_ml_size(A, i);
+    pad(m, nj, P->values + P->value_off[P->twin[t]], Q);
+    for (LitheCount e = A->block_off[i]; e < A->block_off[i + 1]; e++)
+      add_transposed(m, lth_ml_size(A, A->block_col[e]), A->values + A->value_off[e], Q,
+                     product + slot[A->block_col[e]] * block);
+    if (fine->extra)
+      add_transposed(m, m, fine->extra + fine->extra_off[i], Q, product + slot[i] * block);
+  }
+  for (LitheIndex k = 0; k < n; k++)
+    for (LitheCount e = P->block_off[list[k]]; e < P->block_off[list[k] + 1]; e++) {
+      const LitheIndex I = P->block_col[e];
+      if (I > J) break;
+      // block (I, J) belongs to nobody else's column
+      double *C = coarse->values + coarse->value_off[lth_block_matrix_find(coarse, I, J)];
+      add_outer(lth_ml_size(A, list[k]), (int)(P->col_off[I + 1] - P->col_off[I]), nj,
+                P->values + P->value_off[e], product + k * block, C);
+    }
+  forget(n, list, slot);
+}
+
+/// The lower triangle from the upper one, and a diagonal that is symmetric to the last bit.
+static void mirror_row(LthBlockMatrix *A, LitheIndex row) {
+  const int m = lth_ml_size(A, row);
+  for (LitheCount e = A->block_off[row]; e <= A->diagonal[row]; e++) {
+    const LitheIndex col = A->block_col[e];
+    const int n = lth_ml_size(A, col);
+    double *B = A->values + A->value_off[e];
+    if (col == row) {
+      for (int r = 0; r < m; r++)
+        for (int c = 0; c < r; c++)
+          B[r * m + c] = B[c * m + r] = 0.5 * (B[r * m + c] + B[c * m + r]);
+      return;
+    }
+    const double *T = A->values + A->value_off[lth_block_matrix_find(A, col, row)];
+    for (int r = 0; r < m; r++)
+      for (int c = 0; c < n; c++) B[r * n + c] = T[c * m + r];
+  }
+}
+
+void lth_ml_galerkin(const LthLevel *fine, const LthGalerkin *g, LthBlockMatrix *coarse) {
+  memset(coarse->values, 0,
+         sizeof *coarse->values * (size_t)coarse->value_off[coarse->block_off[coarse->n_rows]]);
+#pragma omp parallel num_threads(g->threads)
+  {
+    const int thread = omp_get_thread_num();
+#pragma omp for schedule(dynamic, 16)
+    for (LitheIndex J = 0; J < coarse->n_rows; J++)
+      fill_column(fine, J, g->slot + (LitheCount)thread * g->n_rows,
+                  g->list + (LitheCount)thread * g->most,
+                  g->product + (LitheCount)thread * g->most * g->block, g->block, coarse);
+#pragma omp for schedule(static)
+    for (LitheIndex row = 0; row < coarse->n_rows; row++) mirror_row(coarse, row);
+  }
+}
+
+LitheStatus lth_ml_leading_create(LitheCtx *ctx, const LthBlockMatrix *A, const LitheIndex *lead,
+                                  LthBlockMatrix **coarse) {
+  LitheStatus status = LITHE_OK;
+  LitheCount *off = NULL;
+  *coarse = NULL;
+  LTH_NEW_OR(done, ctx, off, A->n_rows + 1);
+  for (LitheIndex i = 0; i < A->n_rows; i++) off[i + 1] = off[i] + lead[i];
+  LITHE_TRY_OR(done,
+               lth_block_matrix_create(ctx, A->n_rows, off, A->block_off, A->block_col, coarse));
+done:
+  lth_free(ctx, off);
+  return status;
+}
+
+void lth_ml_leading(const LthLevel *fine, int threads, LthBlockMatrix *coarse) {
+  const LthBlockMatrix *A = fine->A;
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex row = 0; row < A->n_rows; row++)
+    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+      const int m = lth_ml_size(coarse, row), n = lth_ml_size(coarse, A->block_col[e]);
+      const int stride = lth_ml_size(A, A->block_col[e]);
+      const bool more = fine->extra && e == A->diagonal[row];
+      for (int r = 0; r < m; r++) {
+        double *to = coarse->values + coarse->value_off[e] + r * n;
+        memcpy(to, A->values + A->value_off[e] + r * stride, sizeof *to * (size_t)n);
+        for (int c = 0; more && c < n; c++)
+          to[c] += fine->extra[fine->extra_off[row] + r * stride + c];
+      }
+    }
+}
