@@ -62,22 +62,52 @@ typedef struct LthElementMesh {
   LitheIndex *line;      ///< of the file where an element stands, or NULL (n_elements)
   LitheIndex *poly_off;  ///< (n_elements + 1) into poly_face; NULL where there are no polyhedra
   LitheIndex *poly_face; ///< of a polyhedron: n faces, then for each its n nodes and them, outward
+  double rounding;       ///< of the coordinates where the file has short numbers [m], 0: doubles
   LthElementGroup *groups;
   LitheIndex n_groups;
 } LthElementMesh;
 
 void lth_element_mesh_destroy(LitheCtx *ctx, LthElementMesh **mesh);
 
-/// The first group called `name` of that sort, or whose tag the text spells; NULL.
+/// The first group called `name` of that sort, or called so but for upper and lower case, or whose tag the text
+/// spells; NULL.
 const LthElementGroup *lth_element_group(const LthElementMesh *mesh, LthGroupOf of,
                                          const char *name);
+
+/// "part.inp:17: element 4 (hex8)" for messages; the line where it is known, the file's number where it has one.
+#define LTH_ELEMENT_TEXT_MAX 256
+const char *lth_element_text(const LthElementMesh *mesh, const char *file, LitheIndex element,
+                             char text[LTH_ELEMENT_TEXT_MAX]);
+
+/// The faces of all elements, their corners without repetitions, and which two lie on each other.
+typedef struct LthElementSides {
+  LitheIndex n;
+  LitheIndex *element_side; ///< (n_elements + 1) sides of an element, in the order of its faces
+  LitheIndex *corner_off; ///< (n + 1) into corner; a face of fewer than 3 distinct corners has none
+  LitheIndex *corner;     ///< nodes, counter-clockwise from outside the element
+  LitheIndex *element;    ///< (n)
+  LitheIndex *mate;       ///< the same face seen from the other element, -1: boundary  (n)
+} LthElementSides;
+
+/// List the faces of all elements; `mate` waits for lth_element_sides_match().
+LitheStatus lth_element_sides_list(LitheCtx *ctx, const LthElementMesh *mesh,
+                                   LthElementSides **sides);
+/// Find the mates. LITHE_BAD_INPUT: three elements at a face, or two on the same side of it.
+LitheStatus lth_element_sides_match(LitheCtx *ctx, const LthElementMesh *mesh, const char *file,
+                                    LthElementSides *sides);
+void lth_element_sides_destroy(LitheCtx *ctx, LthElementSides **sides);
+
+/// Two halves of a key for lth_hash: the same for all orders of the corners of a face.
+void lth_corner_key(const LitheIndex *corner, LitheIndex n, uint64_t key[2]);
 
 /// Check orientation and closedness and turn inverted elements into an error that names file, line and
 /// element. `file` is for messages.
 LitheStatus lth_element_mesh_check(LitheCtx *ctx, const LthElementMesh *mesh, const char *file);
 
 /// One polyhedron an element: cell k of the mesh is element k. Non-planar faces are split into triangles, the
-/// same way from both sides; mid-side nodes are left out. Groups become those of the mesh.
+/// same way from both sides; mid-side nodes are left out. Groups become those of the mesh: of elements its cells; of
+/// faces and of nodes the boundary faces that are in them with all corners. Boundary faces that lie on each other
+/// without being one get a warning.
 LitheStatus lth_mesh_from_elements(LitheCtx *ctx, const LthElementMesh *elements, const char *file,
                                    LthMesh **mesh);
 

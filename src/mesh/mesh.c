@@ -12,10 +12,27 @@
 void lth_mesh_destroy(LitheCtx *ctx, LthMesh **mesh) {
   if (!mesh || !*mesh) return;
   LthMesh *m = *mesh;
-  void *blocks[] = {m->points,        m->point_rank,    m->face_loop_off, m->loop_off,
-                    m->loop_point,    m->face_cell,     m->face_normal,   m->face_area,
-                    m->face_centroid, m->face_tag,      m->cell_face_off, m->cell_face,
-                    m->cell_volume,   m->cell_centroid, m->cell_box,      m};
+  for (LitheIndex g = 0; g < m->n_groups; g++) {
+    lth_free(ctx, m->groups[g].name);
+    lth_free(ctx, m->groups[g].member);
+  }
+  void *blocks[] = {m->points,
+                    m->point_rank,
+                    m->face_loop_off,
+                    m->loop_off,
+                    m->loop_point,
+                    m->face_cell,
+                    m->face_normal,
+                    m->face_area,
+                    m->face_centroid,
+                    m->face_tag,
+                    m->cell_face_off,
+                    m->cell_face,
+                    m->cell_volume,
+                    m->cell_centroid,
+                    m->cell_box,
+                    m->groups,
+                    m};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   *mesh = NULL;
 }
