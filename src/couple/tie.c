@@ -48,7 +48,10 @@ static LitheStatus tie_faces(LitheCtx *ctx, const LthTieDef *def, LthTie *tie) {
 
 static LitheStatus create(LitheCtx *ctx, const LthTieDef *def, LthTie *tie) {
   double gap = 0, reach = 0;
-  for (int s = 0; s < 2; s++) LTH_NEW(ctx, tie->tied[s], def->side[s].patches->n);
+  for (int s = 0; s < 2; s++) {
+    tie->side[s] = def->side[s];
+    LTH_NEW(ctx, tie->tied[s], def->side[s].patches->n);
+  }
   LITHE_TRY(tie_faces(ctx, def, tie));
   LITHE_TRY(lth_tie_springs_create(ctx, def, tie, &tie->coupling[1], &gap, &reach));
   if (!tie->coupling[0].self && !tie->coupling[1].self)
@@ -75,6 +78,36 @@ LitheStatus lth_tie_create(LitheCtx *ctx, const LthTieDef *def, LthTie **tie) {
   }
   t->n_couplings = t->coupling[1].self ? 2 : 1;
   *tie = t;
+  return LITHE_OK;
+}
+
+/// The pieces of a side that are in the tie.
+typedef struct Tied {
+  const LthTieSide *side;
+  const uint8_t *tied;
+} Tied;
+
+static double tied_distance2(void *self, LitheIndex i, const double x[3], double limit) {
+  const Tied *t = self;
+  (void)limit;
+  if (!t->tied[i]) return INFINITY;
+  LthFaceView view = lth_patches_view(t->side->disc->mesh, t->side->patches, i);
+  return lth_face_distance2(&view, x);
+}
+
+LitheStatus lth_tie_mark(LitheCtx *ctx, const LthTie *tie, int side, LitheIndex n,
+                         const double *points, uint8_t *marked) {
+  LthBvh *tree = NULL;
+  const double reach = lth_tie_reach(tie->side);
+  LITHE_TRY(lth_patches_tree(ctx, tie->side[side].patches, &tree));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < n; i++) {
+    Tied tied = {&tie->side[side], tie->tied[side]};
+    double d2 = reach * reach;
+    if (lth_bvh_nearest(tree, points + 3 * (size_t)i, tied_distance2, &tied, &d2) >= 0)
+      marked[i] = 1;
+  }
+  lth_bvh_destroy(ctx, &tree);
   return LITHE_OK;
 }
 

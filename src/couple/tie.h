@@ -29,11 +29,16 @@ typedef struct LthTieDef {
 typedef struct LthTie {
   LitheIndex n_faces, n_springs;
   double face_area, spring_area; ///< [m^2]
-  uint8_t *tied[2];              ///< per piece of each side's patches: in the tie
+  LthTieSide side[2];
+  uint8_t *tied[2]; ///< per piece of each side's patches: in the tie
   LthCoupling coupling[2];
   LitheIndex n_couplings; ///< faces, springs, or both
 } LthTie;
 
 /// LITHE_BAD_INPUT where the two have nothing in common; the message has the gap between them.
 LitheStatus lth_tie_create(LitheCtx *ctx, const LthTieDef *def, LthTie **tie);
+
+/// Set marked[i] (n) to 1 for points (n x 3) [m] of a side's surface, at rest, that the tie holds.
+LitheStatus lth_tie_mark(LitheCtx *ctx, const LthTie *tie, int side, LitheIndex n,
+                         const double *points, uint8_t *marked);
 void lth_tie_destroy(LitheCtx *ctx, LthTie **tie);

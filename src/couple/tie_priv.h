@@ -5,6 +5,8 @@
 #include "geometry/bvh.h"
 #include "mesh/piece.h"
 
+#include <math.h>
+
 /// Where planar boundary pieces of two bodies coincide.
 typedef struct LthOverlap {
   LthPieces pieces;  ///< in the plane of the first body's face, about its normal
@@ -24,6 +26,12 @@ LitheStatus lth_convex_parts(LitheCtx *ctx, const LthFaceView *face, double tole
 
 /// A tree over the boxes of all pieces of a side's patches.
 LitheStatus lth_patches_tree(LitheCtx *ctx, const LthPatches *patches, LthBvh **tree);
+
+#define LTH_TIE_REACH 0.25 ///< of the smaller cell: farther surfaces are not tied
+
+static inline double lth_tie_reach(const LthTieSide side[2]) {
+  return LTH_TIE_REACH * fmin(side[0].disc->mesh->cell_size, side[1].disc->mesh->cell_size);
+}
 
 /// Cell of piece i of a side.
 static inline LitheIndex lth_tie_cell(const LthTieSide *side, LitheIndex i) {

@@ -8,7 +8,6 @@
 
 #include <stdlib.h>
 
-#define REACH 0.25  ///< of the smaller cell: farther surfaces are not tied
 #define FACING -0.5 ///< largest cosine between the normals of tied surfaces
 #define STIFFNESS                                                                                  \
   50 ///< over that of the softer layer of cells: each tie yields like a fiftieth of it
@@ -127,7 +126,7 @@ static LitheStatus find_springs(Job *job) {
   job->fine = mean_area(side[0].patches) <= mean_area(side[1].patches) ? 0 : 1;
   int a = largest_degree(side[0].disc), b = largest_degree(side[1].disc);
   job->degree = 2 * (a > b ? a : b);
-  job->reach = REACH * fmin(side[0].disc->mesh->cell_size, side[1].disc->mesh->cell_size);
+  job->reach = lth_tie_reach(side);
   job->gap = INFINITY;
   uint8_t *by_faces = NULL; // springs mark pieces, too
   const LthPatches *mine = side[job->fine].patches;

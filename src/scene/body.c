@@ -98,6 +98,9 @@ void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   LthBody *b = *body;
   if (!b) return;
   lth_contact_destroy(ctx, &b->contact);
+  lth_free(ctx, b->touch_point);
+  lth_embedding_destroy(ctx, &b->touch_embedding);
+  lth_surface_destroy(ctx, &b->touch);
   lth_embedding_destroy(ctx, &b->nodes);
   lth_embedding_destroy(ctx, &b->embedding);
   lth_soup_destroy(ctx, &b->own_soup);

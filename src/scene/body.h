@@ -45,7 +45,12 @@ typedef struct LthBody {
   const LthSoup *soup;     ///< the embedded surface, or NULL
   LthEmbedding *embedding; ///< of soup's points, or NULL
   LthEmbedding *nodes;     ///< contact points where they are not the embedding's, or NULL
-  LthContact *contact;     ///< or NULL
+  LthContact *contact;     ///< with colliders, or NULL
+
+  // what other bodies touch (build_touch.c), where there are any
+  LthSurface *touch;             ///< closed, at rest
+  LthEmbedding *touch_embedding; ///< of its points where that is not `embedding`, or NULL
+  LitheIndex *touch_point;       ///< embedded point of each of its points
 
   // among all bodies (world.c)
   LthSimulation *sim; ///< of all, borrowed
@@ -72,6 +77,12 @@ const double *lth_body_displacement(const LthBody *body);
 double *lth_body_position(const LthBody *body);
 double *lth_body_velocity(const LthBody *body);
 
+/// What follows the points of `touch`: lent.
+const LthEmbedding *lth_body_touch_points(const LthBody *body);
+
+/// Largest lambda + 2 mu [Pa].
+double lth_body_modulus(const LthBody *body);
+
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);
 /// Degree of each element of the mesh (n_cells). LITHE_BAD_INPUT: out of range somewhere.
@@ -81,7 +92,12 @@ LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_embedding(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among several bodies
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
+
+/// Points (n x 3) that follow the body as its embedded surface would. `cells` (n): -1 where not known.
+LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, const double *points,
+                             const LitheIndex *cells, LthEmbedding **embedding);
 
 /// The grid that a body's resolution asks for, over the box of its shape.
 LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],

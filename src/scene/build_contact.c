@@ -37,6 +37,16 @@ static LitheStatus choose_points(LitheCtx *ctx, LthBody *body) {
   return lth_embedding_create_nodes(ctx, body->space, body->embedding, &body->nodes);
 }
 
+double lth_body_modulus(const LthBody *body) {
+  double modulus = 0;
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+    double lambda, mu;
+    lth_lame(body->young[c], body->poisson[c], &lambda, &mu);
+    modulus = fmax(modulus, lambda + 2 * mu);
+  }
+  return modulus;
+}
+
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
   const LthScene *scene = body->scene;
   if (scene->n_colliders == 0) return LITHE_OK;
@@ -47,13 +57,9 @@ LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
                        .stiffness = scene->contact_stiffness,
                        .friction = scene->contact_friction,
                        .damping = scene->contact_damping,
+                       .modulus = lth_body_modulus(body),
                        .cell_size = body->mesh->cell_size,
                        .body_size = body->size,
                        .body_weight = body->mass * lth_v3_norm(scene->gravity)};
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
-    double lambda, mu;
-    lth_lame(body->young[c], body->poisson[c], &lambda, &mu);
-    def.modulus = fmax(def.modulus, lambda + 2 * mu);
-  }
   return lth_contact_create(ctx, &def, &body->contact);
 }

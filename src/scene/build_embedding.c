@@ -77,6 +77,12 @@ static void warn_of_far_points(LitheCtx *ctx, const LthBody *body) {
         body->def->path, n_far, soup->n_points, farthest);
 }
 
+LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, const double *points,
+                             const LitheIndex *cells, LthEmbedding **embedding) {
+  return lth_embedding_create(ctx, body->space, n, points, cells, body->def->interpolation,
+                              body->def->samples, embedding);
+}
+
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
@@ -84,9 +90,8 @@ static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   warn_of_far_points(ctx, body);
   LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
   LITHE_TRY_OR(done, known_cells(ctx, body, cells));
-  LITHE_TRY_OR(done, lth_embedding_create(ctx, body->space, body->soup->n_points,
-                                          body->soup->points, cells, body->def->interpolation,
-                                          body->def->samples, &body->embedding));
+  LITHE_TRY_OR(done, lth_build_points(ctx, body, body->soup->n_points, body->soup->points, cells,
+                                      &body->embedding));
   LITHE_TRY_OR(done, lth_embedding_set_area(ctx, body->embedding, body->soup->n_polys,
                                             body->soup->poly_off, body->soup->poly_point));
 

@@ -109,6 +109,7 @@ void lth_read_contact(LthReader *r) {
   scene->contact_stiffness = lth_read_number(contact, "stiffness", 0);
   scene->contact_friction = lth_read_number(contact, "friction", 0);
   scene->contact_damping = lth_read_number(contact, "damping", 0);
+  scene->contact_bodies = lth_read_flag(contact, "bodies");
   int which = lth_read_word(contact, "points", points);
   bool has_embed = scene->n_bodies > 0 && scene->bodies[0].has_embed;
   scene->contact_points = (LthContactPoints)which;

@@ -195,16 +195,39 @@ static LitheStatus put_error(LitheCtx *ctx, LthJson *json, const LthWorld *world
   return LITHE_OK;
 }
 
-/// What colliders do to the bodies, all together.
-static void put_contact(LthJson *json, const LthWorld *world) {
-  LitheIndex n = 0, n_contacts = 0;
-  double penetration = 0, force = 0;
-  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+static void put_names(LthJson *json, const LthWorld *world, const LitheIndex body[2]) {
+  lth_json_begin_array(json, "bodies");
+  for (int s = 0; s < 2; s++) lth_json_string(json, NULL, world->bodies[body[s]]->def->name);
+  lth_json_end_array(json);
+}
+
+/// Every two bodies that touch.
+static void put_pairs(LthJson *json, const LthWorld *world) {
+  if (world->n_pairs == 0) return;
+  lth_json_begin_array(json, "pairs");
+  for (LitheIndex i = 0; i < world->n_pairs; i++) {
     LitheIndex points;
     double depth, push;
-    if (!world->bodies[b]->contact) continue;
-    lth_contact_report(world->bodies[b]->contact, &points, &depth, &push);
-    n_contacts++;
+    lth_contact_report(world->pairs[i].contact, &points, &depth, &push);
+    if (points == 0) continue;
+    lth_json_begin_object(json, NULL);
+    put_names(json, world, world->pairs[i].body);
+    lth_json_integer(json, "points", points);
+    lth_json_number(json, "penetration", depth);
+    lth_json_number(json, "force", push);
+    lth_json_end_object(json);
+  }
+  lth_json_end_array(json);
+}
+
+/// What colliders do to the bodies and bodies to each other, all together.
+static void put_contact(LthJson *json, const LthWorld *world) {
+  LitheIndex n = 0, n_contacts = world->system->n_contacts;
+  double penetration = 0, force = 0;
+  for (LitheIndex c = 0; c < n_contacts; c++) {
+    LitheIndex points;
+    double depth, push;
+    lth_contact_report(world->system->contacts[c], &points, &depth, &push);
     n += points;
     penetration = fmax(penetration, depth);
     force += push;
@@ -214,7 +237,24 @@ static void put_contact(LthJson *json, const LthWorld *world) {
   lth_json_integer(json, "points", n);
   lth_json_number(json, "penetration", penetration);
   lth_json_number(json, "force", force);
+  put_pairs(json, world);
   lth_json_end_object(json);
+}
+
+static void put_ties(LthJson *json, const LthWorld *world) {
+  if (world->n_ties == 0) return;
+  lth_json_begin_array(json, "ties");
+  for (LitheIndex i = 0; i < world->n_ties; i++) {
+    const LthTie *tie = world->ties[i].tie;
+    lth_json_begin_object(json, NULL);
+    put_names(json, world, world->ties[i].body);
+    lth_json_integer(json, "faces", tie->n_faces);
+    lth_json_number(json, "face_area", tie->face_area);
+    lth_json_integer(json, "springs", tie->n_springs);
+    lth_json_number(json, "spring_area", tie->spring_area);
+    lth_json_end_object(json);
+  }
+  lth_json_end_array(json);
 }
 
 static void put_solver(LthJson *json, const LthStepReport *r, double condition) {
@@ -269,6 +309,7 @@ static LitheStatus put_all(LitheCtx *ctx, const LthResultInput *in, LthJson *jso
   LITHE_TRY(put_reactions(ctx, json, world));
   put_probes(json, in->probes, world);
   put_contact(json, world);
+  put_ties(json, world);
   LITHE_TRY(put_error(ctx, json, world));
   put_solver(json, report, in->condition);
   put_times(json, &in->times, report);

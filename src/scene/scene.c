@@ -29,6 +29,7 @@ static LitheStatus read_parts(LthReader *r) {
   lth_read_vector(root, "gravity", r->scene->gravity);
   lth_read_time(r);
   LITHE_TRY(lth_read_bodies(r));
+  LITHE_TRY(lth_read_ties(r));
   LITHE_TRY(lth_read_colliders(r));
   lth_read_contact(r);
   lth_read_solver(r);
@@ -210,6 +211,7 @@ void lth_scene_destroy(LitheCtx *ctx, LthScene **scene) {
   for (LitheIndex i = 0; i < (*scene)->n_bodies; i++) free_body(ctx, &(*scene)->bodies[i]);
   for (LitheIndex i = 0; i < (*scene)->n_colliders; i++)
     lth_shape_free(ctx, &(*scene)->colliders[i].shape);
+  for (LitheIndex i = 0; i < (*scene)->n_ties; i++) lth_where_free(ctx, &(*scene)->ties[i].where);
   free_owned(ctx, (*scene)->owned);
   lth_free(ctx, *scene);
   *scene = NULL;

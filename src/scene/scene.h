@@ -74,6 +74,13 @@ typedef struct LthSceneBody {
   LthSamples samples;
 } LthSceneBody;
 
+/// Two bodies that are glued together.
+typedef struct LthSceneTie {
+  const char *place; ///< "scene.yaml:20:5: tie.0", for messages
+  LitheIndex body[2];
+  LthWhere where;
+} LthSceneTie;
+
 typedef enum LthTimeKind { LTH_TIME_STATIC, LTH_TIME_QUASISTATIC, LTH_TIME_DYNAMIC } LthTimeKind;
 
 /// What touches. Auto: see build_contact.c.
@@ -100,7 +107,10 @@ typedef struct LthScene {
   LitheIndex n_colliders;
   double contact_stiffness; ///< 0: auto
   double contact_friction, contact_damping;
+  bool contact_bodies; ///< every two bodies collide
   LthContactPoints contact_points;
+  LthSceneTie *ties;
+  LitheIndex n_ties;
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic

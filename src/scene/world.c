@@ -4,7 +4,21 @@
 #include "base/tensor.h"
 #include "system/free_motion.h"
 
+#include <math.h>
 #include <stdio.h>
+
+/// True where another body is so near that contact with it may hold this one.
+static bool leans(const LthWorld *world, LitheIndex body) {
+  const LthBody *a = world->bodies[body];
+  for (LitheIndex b = 0; world->n_pairs > 0 && b < world->n_bodies; b++) {
+    const LthBody *other = world->bodies[b];
+    double gap = 0;
+    for (int i = 0; i < 3; i++)
+      gap = fmax(gap, fmax(a->box[i] - other->box[3 + i], other->box[i] - a->box[3 + i]));
+    if (b != body && gap <= 0.1 * a->size) return true;
+  }
+  return false;
+}
 
 /// In static runs every part of the bodies has to be held, by constraints or perhaps by contact.
 static LitheStatus check_held(LitheCtx *ctx, const LthWorld *world) {
@@ -12,7 +26,7 @@ static LitheStatus check_held(LitheCtx *ctx, const LthWorld *world) {
   LthFreeMotions free;
   if (scene->time_kind == LTH_TIME_DYNAMIC || scene->n_colliders > 0) return LITHE_OK;
   LITHE_TRY(lth_free_motions(ctx, world->system, &free));
-  if (free.body < 0) return LITHE_OK;
+  if (free.body < 0 || leans(world, free.body)) return LITHE_OK;
   char part[120] = "the body";
   if (free.n_components > world->n_bodies)
     snprintf(part, sizeof part, "the part around (%g, %g, %g), one of %d,", free.at[0], free.at[1],
@@ -33,24 +47,47 @@ static LthStepOptions step_options(const LthScene *scene) {
   return options;
 }
 
+/// Contacts and couplings as the system takes them, with room for all.
+typedef struct Parts {
+  LthSystemBody *bodies;
+  LthSystemContact *contacts;
+  LthCoupling *couplings;
+  LitheIndex n_contacts, n_couplings;
+} Parts;
+
+static void list_parts(const LthWorld *w, Parts *p) {
+  for (LitheIndex b = 0; b < w->n_bodies; b++) {
+    p->bodies[b] = lth_body_as_part(w->bodies[b]);
+    if (w->bodies[b]->contact)
+      p->contacts[p->n_contacts++] = (LthSystemContact){w->bodies[b]->contact, {b, -1}};
+  }
+  for (LitheIndex i = 0; i < w->n_pairs; i++)
+    p->contacts[p->n_contacts++] =
+        (LthSystemContact){w->pairs[i].contact, {w->pairs[i].body[0], w->pairs[i].body[1]}};
+  for (LitheIndex i = 0; i < w->n_ties; i++)
+    for (LitheIndex k = 0; k < w->ties[i].tie->n_couplings; k++)
+      p->couplings[p->n_couplings++] = w->ties[i].tie->coupling[k];
+}
+
 static LitheStatus build_system(LitheCtx *ctx, LthWorld *world) {
   LitheStatus status = LITHE_OK;
-  LthSystemBody *parts = NULL;
-  LthSystemContact *contacts = NULL;
-  LTH_NEW_OR(done, ctx, parts, world->n_bodies);
-  LTH_NEW_OR(done, ctx, contacts, world->n_bodies);
-  LthSystemDef def = {.bodies = parts, .n_bodies = world->n_bodies, .contacts = contacts};
-  for (LitheIndex b = 0; b < world->n_bodies; b++) {
-    parts[b] = lth_body_as_part(world->bodies[b]);
-    if (world->bodies[b]->contact)
-      contacts[def.n_contacts++] =
-          (LthSystemContact){.contact = world->bodies[b]->contact, .body = {b}};
-  }
+  Parts parts = {0};
+  LTH_NEW_OR(done, ctx, parts.bodies, world->n_bodies);
+  LTH_NEW_OR(done, ctx, parts.contacts, (LitheCount)world->n_bodies + world->n_pairs);
+  LTH_NEW_OR(done, ctx, parts.couplings, 2 * (LitheCount)world->n_ties);
+  list_parts(world, &parts);
+  LthSystemDef def = {.bodies = parts.bodies,
+                      .n_bodies = world->n_bodies,
+                      .couplings = parts.couplings,
+                      .n_couplings = parts.n_couplings,
+                      .contacts = parts.contacts,
+                      .n_contacts = parts.n_contacts};
   lth_v3_copy(world->scene->gravity, def.gravity);
   LITHE_TRY_OR(done, lth_system_create(ctx, &def, &world->system));
 done:
-  lth_free(ctx, parts);
-  lth_free(ctx, contacts);
+  lth_free(ctx, parts.bodies);
+  lth_free(ctx, parts.contacts);
+  lth_free(ctx, parts.couplings);
   return status;
 }
 
@@ -73,6 +110,7 @@ LitheStatus lth_world_create_meshes(LitheCtx *ctx, const LthScene *scene, LthWor
 LitheStatus lth_world_check(LitheCtx *ctx, LthWorld *world) {
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     LITHE_TRY(lth_body_build_conditions(ctx, world->bodies[b]));
+  LITHE_TRY(lth_world_build_ties(ctx, world));
   if (world->scene->time_kind == LTH_TIME_DYNAMIC) return LITHE_OK;
   LITHE_TRY(build_system(ctx, world));
   return check_held(ctx, world);
@@ -98,6 +136,8 @@ LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times
     LITHE_TRY(
         lth_body_create(ctx, scene, scene->bodies + w->n_bodies, times, w->bodies + w->n_bodies));
   double start = lth_now();
+  LITHE_TRY(lth_world_build_ties(ctx, w));
+  LITHE_TRY(lth_world_build_pairs(ctx, w));
   LITHE_TRY(build_system(ctx, w));
   LITHE_TRY(check_held(ctx, w));
   LITHE_TRY(build_simulation(ctx, w));
@@ -110,6 +150,8 @@ void lth_world_destroy(LitheCtx *ctx, LthWorld **world) {
   if (!w) return;
   lth_simulation_destroy(ctx, &w->sim);
   lth_system_destroy(ctx, &w->system);
+  lth_world_free_pairs(ctx, w);
+  lth_world_free_ties(ctx, w);
   for (LitheIndex b = 0; w->bodies && b < w->n_bodies; b++) lth_body_destroy(ctx, w->bodies + b);
   lth_free(ctx, w->bodies);
   lth_free(ctx, w);

@@ -108,8 +108,8 @@ static void adapt_damping(Search *q, double before, double unit) {
   q->damping = fmin(fmax(q->damping, DAMPING_LOWEST * unit), unit);
 }
 
-/// One pass of the search. Ends balanced, out of iterations, or, where plain, as soon as the residual
-/// no longer halves within a window or the linear solver finds no way on.
+/// One pass of the search. Ends balanced, out of iterations, or, where plain, as soon as something touches,
+/// the residual no longer halves within a window, or the linear solver finds no way on.
 static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
   double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
   if (s->use_cholesky || !s->system->warped) inner = s->options.tolerance;
@@ -119,7 +119,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
   for (LitheIndex it = 0; it <= s->options.newton_iterations; it++) {
     double before = q->residual;
     LITHE_TRY(evaluate(ctx, s, q));
-    if (!isfinite(q->residual)) return LITHE_OK;
+    if (!isfinite(q->residual) || (plain && s->contact_on)) return LITHE_OK;
     keep_best(s, q);
     *balanced = is_balanced(s, q) && (it > 0 || !s->system->has_held);
     if (*balanced || it == s->options.newton_iterations) return LITHE_OK;
@@ -131,7 +131,8 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     if (!plain && it > 0) adapt_damping(q, before, unit);
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LitheStatus status = correct(ctx, s, q, plain, inner);
-    if (status == LITHE_NOT_CONVERGED && plain && s->system->warped) return LITHE_OK;
+    bool has_other_way = s->system->warped || s->has_contact;
+    if (status == LITHE_NOT_CONVERGED && plain && has_other_way) return LITHE_OK;
     LITHE_TRY(status);
     s->report.newton_iterations++;
   }
@@ -160,13 +161,13 @@ static void add_work(LthSimulation *s) {
 static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool *balanced) {
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   *balanced = false;
-  if (!s->has_contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  LITHE_TRY(search(ctx, s, q, true, balanced));
   if (*balanced || (!s->system->warped && !s->has_contact)) return LITHE_OK;
   memcpy(s->x, s->start, bytes);
   LITHE_TRY(search(ctx, s, q, false, balanced));
   if (*balanced) return LITHE_OK;
   memcpy(s->x, s->best, bytes);
-  if (!s->has_contact) LITHE_TRY(search(ctx, s, q, true, balanced));
+  if (!s->contact_on) LITHE_TRY(search(ctx, s, q, true, balanced));
   if (*balanced) return LITHE_OK;
   memcpy(s->x, s->best, bytes);
   return evaluate(ctx, s, q);

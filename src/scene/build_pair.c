@@ -1,0 +1,117 @@
+/// What is between bodies: ties, and contact of every two.
+#include "scene/world.h"
+
+#include "base/tensor.h"
+
+static LitheIndex first_row(const LthWorld *world, LitheIndex body) {
+  LitheIndex row = 0;
+  for (LitheIndex b = 0; b < body; b++) row += world->bodies[b]->disc->n_rows;
+  return row;
+}
+
+static LitheCount first_dof(const LthWorld *world, LitheIndex body) {
+  LitheCount dof = 0;
+  for (LitheIndex b = 0; b < body; b++) dof += world->bodies[b]->disc->n_dofs;
+  return dof;
+}
+
+static LthTieSide tie_side(const LthWorld *world, LitheIndex b, const LthPatches *patches) {
+  const LthBody *body = world->bodies[b];
+  return (LthTieSide){.name = body->def->name,
+                      .disc = body->disc,
+                      .patches = patches,
+                      .young = body->young,
+                      .poisson = body->poisson,
+                      .space = body->space,
+                      .flux = body->def->flux,
+                      .penalty = body->def->penalty,
+                      .eta = body->def->eta,
+                      .warped = body->warped,
+                      .first_row = first_row(world, b),
+                      .first_dof = first_dof(world, b)};
+}
+
+static LitheStatus build_tie(LitheCtx *ctx, const LthWorld *world, const LthSceneTie *from,
+                             LthWorldTie *to) {
+  LthTieDef def = {.place = from->place};
+  for (int s = 0; s < 2; s++) {
+    to->body[s] = from->body[s];
+    LITHE_TRY(lth_build_patches(ctx, world->bodies[from->body[s]], from->place, &from->where,
+                                &to->patches[s]));
+    def.side[s] = tie_side(world, from->body[s], to->patches[s]);
+  }
+  return lth_tie_create(ctx, &def, &to->tie);
+}
+
+LitheStatus lth_world_build_ties(LitheCtx *ctx, LthWorld *world) {
+  const LthScene *scene = world->scene;
+  LTH_NEW(ctx, world->ties, scene->n_ties);
+  for (; world->n_ties < scene->n_ties; world->n_ties++)
+    LITHE_TRY(build_tie(ctx, world, &scene->ties[world->n_ties], &world->ties[world->n_ties]));
+  return LITHE_OK;
+}
+
+void lth_world_free_ties(LitheCtx *ctx, LthWorld *world) {
+  for (LitheIndex i = 0; world->ties && i < world->scene->n_ties; i++) {
+    lth_tie_destroy(ctx, &world->ties[i].tie);
+    for (int s = 0; s < 2; s++) lth_patches_destroy(ctx, &world->ties[i].patches[s]);
+  }
+  lth_free(ctx, world->ties);
+}
+
+static LthPairSide pair_side(const LthBody *body) {
+  return (LthPairSide){.name = body->def->name,
+                       .points = lth_body_touch_points(body),
+                       .surface = body->touch,
+                       .surface_point = body->touch_point,
+                       .modulus = lth_body_modulus(body),
+                       .cell_size = body->mesh->cell_size,
+                       .body_size = body->size,
+                       .body_weight = body->mass * lth_v3_norm(body->scene->gravity)};
+}
+
+/// Points of both bodies that a tie between them holds anyway.
+static LitheStatus mark_tied(LitheCtx *ctx, const LthWorld *world, LthWorldPair *pair) {
+  for (LitheIndex i = 0; i < world->n_ties; i++) {
+    const LthWorldTie *tie = &world->ties[i];
+    for (int s = 0; s < 2; s++) {
+      int side = tie->body[0] == pair->body[s] ? 0 : 1;
+      if (tie->body[side] != pair->body[s] || tie->body[1 - side] != pair->body[1 - s]) continue;
+      const LthEmbedding *e = lth_body_touch_points(world->bodies[pair->body[s]]);
+      if (!pair->tied[s]) LTH_NEW(ctx, pair->tied[s], e->n_points);
+      LITHE_TRY(lth_tie_mark(ctx, tie->tie, side, e->n_points, e->rest, pair->tied[s]));
+    }
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus build_pair(LitheCtx *ctx, LthWorld *world, LitheIndex a, LitheIndex b) {
+  const LthScene *scene = world->scene;
+  LthWorldPair *pair = &world->pairs[world->n_pairs++];
+  pair->body[0] = a, pair->body[1] = b;
+  LITHE_TRY(mark_tied(ctx, world, pair));
+  LthPairDef def = {.side = {pair_side(world->bodies[a]), pair_side(world->bodies[b])},
+                    .stiffness = scene->contact_stiffness,
+                    .friction = scene->contact_friction,
+                    .damping = scene->contact_damping};
+  for (int s = 0; s < 2; s++) def.side[s].excluded = pair->tied[s];
+  return lth_contact_create_pair(ctx, &def, &pair->contact);
+}
+
+LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
+  LitheIndex n = world->n_bodies;
+  if (!world->scene->contact_bodies || n < 2) return LITHE_OK;
+  LTH_NEW(ctx, world->pairs, (LitheCount)n * (n - 1) / 2);
+  for (LitheIndex b = 0; b < n; b++) LITHE_TRY(lth_build_touch(ctx, world->bodies[b]));
+  for (LitheIndex a = 0; a < n; a++)
+    for (LitheIndex b = a + 1; b < n; b++) LITHE_TRY(build_pair(ctx, world, a, b));
+  return LITHE_OK;
+}
+
+void lth_world_free_pairs(LitheCtx *ctx, LthWorld *world) {
+  for (LitheIndex i = 0; i < world->n_pairs; i++) {
+    lth_contact_destroy(ctx, &world->pairs[i].contact);
+    for (int s = 0; s < 2; s++) lth_free(ctx, world->pairs[i].tied[s]);
+  }
+  lth_free(ctx, world->pairs);
+}
