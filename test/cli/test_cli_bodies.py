@@ -1,0 +1,158 @@
+"""Several bodies from outside: they rest on each other, collide, and are tied."""
+import json
+import os
+
+from cli import check, done, expect, folder, run
+
+os.environ["OMP_WAIT_POLICY"] = "passive"  # other tests want their cores
+
+STACK = """lithe: 1
+bodies:
+  - name: lower
+    shape: {box: {min: [-0.1, 0.0005, -0.1], max: [0.1, 0.1, 0.1]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000, damping: {stiffness: 5e-3}}
+    method: {kind: dg, mesh: hexahedra, cells: [2, 1, 2], degree: 1}
+  - name: upper
+    shape: {box: {min: [-0.08, 0.101, -0.07], max: [0.09, 0.2, 0.08]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000, damping: {stiffness: 5e-3}}
+    method: {kind: dg, mesh: tetrahedra, cells: [1, 1, 1], degree: 1}
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0, 1, 0]}
+contact: {friction: 0.3}
+time: {kind: dynamic, duration: 0.6, step: 1/120}
+output: {every: last}
+"""
+
+# a soft ball that flies at a hard cube, free in space
+IMPACT = """lithe: 1
+bodies:
+  - name: ball
+    shape: {sphere: {center: [-0.12, 0.01, 0.02], radius: 0.1}}
+    material: {model: corotated, young_modulus: 2e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: 4, degree: 1}
+    initial: {velocity: [2, 0, 0]}
+  - name: cube
+    shape: {box: {min: [0, -0.1, -0.1], max: [0.2, 0.1, 0.1]}}
+    material: {model: corotated, young_modulus: 1e6, poisson_ratio: 0.3, density: 500}
+    method: {kind: dg, mesh: hexahedra, cells: 2, degree: 1}
+contact: {friction: 0.2}
+time: {kind: dynamic, duration: 0.12, step: 1/500}
+solver: {tolerance: 1e-11}
+output: {every: 0.04}
+"""
+
+TIED = """lithe: 1
+bodies:
+  - name: left
+    shape: {box: {min: [0, 0, 0], max: [0.5, 0.2, 0.2]}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3}
+    method: {kind: dg, mesh: hexahedra, cells: [3, 2, 2], degree: 1}
+    constraints: [{where: {not: {normal: [1, 0, 0], within: 1 deg}}, displacement: &field
+      ["0.01*x + 0.02*y", "-0.01*y + 0.03*z", "0.02*z - 0.01*x"]}]
+  - name: right
+    shape: {box: {min: [0.5, 0, 0], max: [1, 0.2, 0.2]}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3}
+    method: {kind: dg, cells: [3, 3, 1], degree: 2}
+    constraints: [{where: {not: {normal: [-1, 0, 0], within: 1 deg}}, displacement: *field}]
+tie:
+  - {bodies: [left, right], where: {plane: {point: [0.4999, 0, 0], normal: [1, 0, 0]}}}
+time: static
+exact: {displacement: *field}
+"""
+
+BENT = """lithe: 1
+bodies:
+  - name: left
+    shape: {box: {min: [0, 0, 0], max: [%s, 0.2, 0.2]}}
+    material: {model: corotated, young_modulus: 1e6, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [%d, 2, 2], degree: 2}
+    constraints: [{where: {plane: {point: [0, 0, 0], normal: [-1, 0, 0]}}, displacement: [0, 0, 0]}]
+%s
+gravity: [0, -8, 0]
+time: static
+"""
+RIGHT = """  - name: right
+    shape: {box: {min: [0.5, 0, 0], max: [1, 0.2, 0.2]}}
+    material: {model: corotated, young_modulus: 1e6, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: tetrahedra, cells: [4, 1, 2], degree: 2}
+tie: [{bodies: [left, right]}]"""
+
+
+def write(directory, name, text):
+    with open(os.path.join(directory, name), "w") as file:
+        file.write(text)
+
+
+def solve(directory, name, text, *more):
+    """Run a scene; its result, or None with the reason told."""
+    write(directory, name + ".yaml", text)
+    got = run("run", name + ".yaml", "-q", "-o", name, *more, cwd=directory)
+    expect(name + "_runs", got.returncode == 0 and got.stderr == "", got.stderr)
+    with open(os.path.join(directory, name, "result.json")) as file:
+        return json.load(file)
+
+
+def near(a, b, tolerance):
+    return abs(a - b) <= tolerance * abs(b)
+
+
+with folder() as d:
+    stack = solve(d, "stack", STACK)
+    lower, upper = (b["mass"] * 9.81 for b in stack["bodies"])
+    pair = stack["contact"]["pairs"]
+    expect("a_body_carries_the_one_above", len(pair) == 1 and pair[0]["bodies"] == ["lower", "upper"] and
+           near(pair[0]["force"], upper, 0.02), (pair, upper))
+    expect("the_floor_carries_both", near(stack["contact"]["force"] - pair[0]["force"], lower + upper, 0.02), stack["contact"])
+    expect("bodies_hardly_sink_into_each_other", 0 < stack["contact"]["penetration"] < 0.005 * 0.17, stack["contact"])
+    apart = solve(d, "apart", STACK, "--set", "contact.bodies=false", "--set", "time.duration=0.3")
+    expect("bodies_pass_through_each_other_where_asked", "pairs" not in apart["contact"] and
+           apart["bodies"][1]["displacement"]["max"] > 0.05, apart)
+
+    start = 2 * 1000 * 4 / 3 * 3.14159 * 0.1**3
+    impact = solve(d, "impact", IMPACT)
+    p = impact["momentum"]
+    ball = impact["bodies"][0]["mass"] * 2
+    expect("an_impact_keeps_momentum", near(p[0], ball, 1e-9) and abs(p[1]) + abs(p[2]) < 1e-9 * ball and
+           near(ball, start, 0.1), (p, ball))
+    expect("and_makes_no_energy", impact["energy"]["kinetic"] + impact["energy"]["strain"] < ball, impact["energy"])
+    expect("they_part", impact["contact"]["points"] == 0 and impact["bodies"][1]["displacement"]["max"] > 0.02, impact["contact"])
+    for threads in ("1", "3"):
+        solve(d, "threads" + threads, IMPACT, "--set", "solver.threads=" + threads)
+    bits = [open(os.path.join(d, "threads" + n, "history.csv")).read() for n in ("1", "3")]
+    expect("bits_do_not_depend_on_threads", bits[0] == bits[1])
+
+    tied = solve(d, "tied", TIED)
+    expect("a_tie_passes_linear_fields", tied["error"]["linf"] < 1e-11, tied["error"])
+    expect("a_tie_is_told", tied["ties"] == [{"bodies": ["left", "right"], "faces": 12, "face_area": tied["ties"][0]["face_area"],
+                                              "springs": 0, "spring_area": 0}] and
+           near(tied["ties"][0]["face_area"], 0.04, 1e-12), tied["ties"])
+    whole = solve(d, "whole", BENT % ("1", 8, ""))
+    halves = solve(d, "halves", BENT % ("0.5", 4, RIGHT))
+    expect("tied_halves_bend_as_the_whole", near(halves["displacement"]["max"], whole["displacement"]["max"], 0.005) and
+           halves["displacement"]["max"] > 0.2, (halves["displacement"], whole["displacement"]))
+    weight = halves["reaction"]["bodies.0.constraints.0"]
+    expect("the_held_half_carries_both", near(weight[1], 320, 1e-6), weight)
+    gap = solve(d, "gap", (BENT % ("0.5", 4, RIGHT)).replace("min: [0.5, 0, 0]", "min: [0.501, 0, 0]"))
+    expect("springs_bridge_a_gap", gap["ties"][0]["faces"] == 0 and gap["ties"][0]["springs"] > 0 and
+           near(gap["displacement"]["max"], whole["displacement"]["max"], 0.03), (gap["ties"], gap["displacement"]))
+
+    def refuse(name, text, message):
+        write(d, "bad.yaml", text)
+        check(name, ("run", "bad.yaml", "-q"), err=message + "\n", status=2, cwd=d)
+
+    refuse("an_unknown_body_is_named", TIED.replace("[left, right]", "[left, rihgt]"),
+           'bad.yaml:15:21: tie.0.bodies.1: no body has this name, got "rihgt"; expected the name of one of the bodies')
+    refuse("a_body_is_not_tied_to_itself", TIED.replace("[left, right]", "[left, left]"),
+           'bad.yaml:15:21: tie.0.bodies.1: a body cannot be tied to itself, got "left" twice; expected two bodies')
+    refuse("what_is_apart_is_not_tied", (BENT % ("0.5", 4, RIGHT)).replace("min: [0.5, 0, 0]", "min: [0.75, 0, 0]"),
+           "lithe: bad.yaml:12:7: tie.0: left and right have nothing to tie: their surfaces are 0.25 m apart where they are nearest, and only "
+           "surfaces that face each other within 0.0269 m (a quarter of a cell) are tied; move the bodies together or widen `where`")
+    refuse("an_empty_where_is_told", TIED.replace("tie:\n  - {bodies: [left, right], where: {plane: {point: [0.4999",
+                                                  "tie:\n  - {bodies: [left, right], where: {plane: {point: [0.7"),
+           "lithe: bad.yaml:15:5: tie.0.where: selects nothing of the body's boundary; the body reaches from (0, 0, 0) to (0.5, 0.2, 0.2)")
+    loose = BENT % ("0.5", 4, RIGHT.replace("tie: [{bodies: [left, right]}]", "").replace("min: [0.5", "min: [0.8"))
+    got = run("check", "loose.yaml", cwd=d) if write(d, "loose.yaml", loose) is None else None
+    expect("a_loose_body_is_told_in_static_runs", got.returncode == 2 and "nothing holds the body against" in got.stderr, got.stderr)
+
+done()
