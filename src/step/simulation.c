@@ -31,7 +31,6 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
   LTH_NEW(ctx, s->row_mass, s->n / 3);
   LTH_NEW(ctx, s->cm, s->system->n_bodies);
   LTH_NEW(ctx, s->ck, s->system->n_bodies);
-  LTH_NEW(ctx, s->freedom, s->system->n_bodies);
   return LITHE_OK;
 }
 
@@ -89,9 +88,9 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
                        s->force,    s->base,     s->rhs,     s->best, s->solution, s->driven,
                        s->scratch,  s->mass,     s->extra,   s->cm,   s->ck,       s->start,
                        s->f_before, s->row_mass, s->factor_x};
-  lth_free(ctx, s->freedom);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_stage_free(ctx, &s->stage);
+  lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);

@@ -23,6 +23,26 @@ typedef struct LthStage {
       *v_old; // bdf2: position and velocity a step earlier; newmark: v_old is the acceleration
 } LthStage;
 
+/// Bodies that nothing holds, known from the first step on.
+typedef struct LthRigid {
+  bool *
+      is_free; // no constraint resists translations of the body and of those it is tied to  (n_bodies)
+  bool *
+      is_alone; // it is tied to none                                                         (n_bodies)
+  LitheIndex *
+      group; // the first of those it is tied to                                           (n_bodies)
+  bool spares; // some free body has mass damping
+  double H;    // of the present system, 0: an equilibrium
+  double
+      *mode[6]; // M times the rigid motions of spared bodies, orthonormal in M; zero elsewhere (n)
+} LthRigid;
+
+/// A body as a rigid one.
+typedef struct LthInertia {
+  double mass, center[3];
+  double tensor[9]; // about the centre
+} LthInertia;
+
 struct LthSimulation {
   LthSystem *system;
   LthStepOptions options;
@@ -39,8 +59,6 @@ struct LthSimulation {
   bool has_contact;    // some body may touch something
   bool contact_on;     // points are active in the present system
   bool contact_stands; // and solves do not ask whether they should be
-  int8_t
-      *freedom; // per body: 1: no constraint resists translations, -1: some does, 0: not known yet
 
   const LthEngine *engine;
   LthFactor *factor;  // analysed when first needed
@@ -68,6 +86,7 @@ struct LthSimulation {
   double *driven;     // prescribed values of held unknowns, zero elsewhere
   double *scratch;    // free between calls
 
+  LthRigid rigid;
   LthStage stage;           // of dynamic steps
   double *start, *f_before; // equilibria: state and loads at the start, NULL until the first
   LthAnderson *anderson;
@@ -135,10 +154,23 @@ void lth_stage_add_damped_load(LthSimulation *s, double weight, double t, const 
 /// Solve the stage for s->solution = v1 from the solution given. Leaves s->x anywhere.
 LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s);
 
-/// Where bodies are free their momentum is known beforehand, (1 + H a) P1 = P^ + H F: a translation takes away
-/// what rounding and the solver's tolerance leave. (As a step of the solver it is the exact solution in
-/// the space of translations T, where T^T A T = (1 + H a) m.)
-void lth_stage_balance(LthSimulation *s);
+/// Which bodies are free, once; assembles for it.
+LitheStatus lth_rigid_find(LitheCtx *ctx, LthSimulation *s);
+void lth_rigid_free(LitheCtx *ctx, LthRigid *rigid);
+
+/// Mass and centre of a body at x; and its inertia, with `motion` and `momentum` (n each) as scratch.
+void lth_rigid_measure(LthSimulation *s, LitheIndex b, const double *x, LthInertia *inertia);
+void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *motion,
+                       double *momentum, LthInertia *inertia);
+
+/// Rigid motions of bodies at x that mass damping spares; overwrites rhs and scratch. Then y += weight a M (what of v
+/// is their rigid motion).
+void lth_rigid_prepare(LthSimulation *s, const double *x);
+void lth_rigid_spare(const LthSimulation *s, double weight, const double *v, double *y);
+
+/// Where bodies are free their momentum is known beforehand, P1 = P^ + H F: a translation takes away what rounding
+/// and the solver's tolerance leave; and so is their angular momentum, that the scheme itself would miss.
+void lth_stage_balance(LthSimulation *s, double dt);
 
 /// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.
 LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static);

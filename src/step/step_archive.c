@@ -77,7 +77,6 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE(a, s->t);
   LTH_ARCHIVE_ARRAY(a, s->x, s->n);
   LTH_ARCHIVE_ARRAY(a, s->v, s->n);
-  LTH_ARCHIVE_ARRAY(a, s->freedom, s->system->n_bodies);
   walk_stage(s, a);
   walk_memory(s->system, a);
   walk_choice(s, a);

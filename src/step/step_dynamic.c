@@ -80,12 +80,14 @@ static LitheStatus start_acceleration(LitheCtx *ctx, LthSimulation *s, double dt
   const LthSystem *system = s->system;
   LITHE_TRY(lth_step_assemble(ctx, s, s->t, s->x));
   memcpy(g->f_start, s->f_ext, sizeof *s->f_ext * (size_t)s->n);
+  lth_rigid_prepare(s, s->x);
   lth_system_apply_mass(system, s->v, s->rhs);
   lth_block_matrix_apply(s->A, lth_threads(ctx), s->v, s->scratch);
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)
       s->rhs[i] = s->force[i] - system->bodies[b].damping_mass * s->rhs[i] -
                   system->bodies[b].damping_stiffness * s->scratch[i];
+  lth_rigid_spare(s, 1, s->v, s->rhs);
   if (lth_stage_has_stiffness_damping(system)) { // + b f0', by differences within the first step
     lth_stage_add_damped_load(s, -3 / dt, s->t, s->f0, s->rhs);
     lth_stage_add_damped_load(s, 4 / dt, s->t + 0.5 * dt, NULL, s->rhs);
@@ -173,7 +175,7 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
     memcpy(s->x, s->stage.x_start, sizeof *s->x * (size_t)s->n);
     return status;
   }
-  lth_stage_balance(s);
+  lth_stage_balance(s, dt);
   LITHE_TRY(remember(s, dt));
   LITHE_TRY(move(s, dt));
   s->t = s->stage.t1;

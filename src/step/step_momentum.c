@@ -1,78 +1,87 @@
-/// Momentum of free bodies is known before a step is solved.
+/// Momentum and angular momentum of free bodies are known before a step is solved.
 #include "base/tensor.h"
 #include "step/simulation_priv.h"
 
 #include <math.h>
 #include <string.h>
 
-/// T^T A T for the three translations T of some rows; `size` is the sum of the absolute terms.
-static void translation_matrix(const LthSimulation *s, LitheIndex first, LitheIndex last,
-                               double E[9], double *size) {
-  const LthBlockMatrix *A = s->A;
-  memset(E, 0, 9 * sizeof *E);
-  *size = 0;
-  for (LitheIndex row = first; row < last; row++)
-    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
-      const double *B = A->values + A->value_off[e];
-      LitheCount r = A->row_off[row], c = A->row_off[A->block_col[e]];
-      LitheCount m = A->row_off[row + 1] - r, n = A->row_off[A->block_col[e] + 1] - c;
-      for (LitheCount i = 0; i < m * n; i++) {
-        LitheCount p = r + i / n, q = c + i % n;
-        double value = s->system->one[p / 3] * s->system->one[q / 3] * B[i];
-        E[3 * (p % 3) + q % 3] += value;
-        *size += fabs(value);
-      }
-    }
-}
-
-/// Bodies [first, last) that move together, and what of their momentum a step leaves out.
-typedef struct Group {
-  LitheIndex first, last;
-  double inertia; // of the system matrix under a translation: sum of cm mass
-  double missing[3];
-} Group;
-
-/// True where nothing but inertia resists translations, so that momentum is kept. Found once: which
-/// constraints there are does not change.
-static bool is_free(LthSimulation *s, const Group *g) {
-  const LitheIndex *rows = s->system->row_first;
-  if (s->freedom[g->first] == 0) {
-    double E[9], size, rest = 0;
-    translation_matrix(s, rows[g->first], rows[g->last], E, &size);
-    for (int k = 0; k < 9; k++) rest = fmax(rest, fabs(E[k] - (k % 4 == 0 ? g->inertia : 0)));
-    s->freedom[g->first] = rest <= 1e-11 * size ? 1 : -1;
-  }
-  return s->freedom[g->first] > 0;
-}
-
-/// Momentum that (1 + H a) P1 = P^ + H F asks for and the solution has not. `change` is M v^ + H F less the
-/// inertia of the solution, per unknown.
-static void add_missing(const LthSimulation *s, const double *change, Group *g) {
+/// A translation of all bodies of a group takes away what the solution misses of P1 = P^ + H F. `missing` is
+/// M v^ + H F - M v1, per unknown.
+static void balance_momentum(LthSimulation *s, LitheIndex group, const double *missing) {
   const LthSystem *system = s->system;
-  for (LitheIndex b = g->first; b < g->last; b++)
+  double sum[3] = {0}, mass = 0;
+  for (LitheIndex b = group; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
-      if (system->one[i] == 0) continue;
-      lth_v3_axpy(system->one[i], change + 3 * i, g->missing);
-      g->inertia += s->cm[b] * system->one[i] * s->row_mass[i];
+      if (s->rigid.group[b] != group || system->one[i] == 0) continue;
+      lth_v3_axpy(system->one[i], missing + 3 * i, sum);
+      mass += system->one[i] * s->row_mass[i];
     }
+  for (LitheIndex b = group; b < system->n_bodies; b++)
+    for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++)
+      if (s->rigid.group[b] == group) lth_v3_axpy(system->one[i] / mass, sum, s->solution + 3 * i);
 }
 
-void lth_stage_balance(LthSimulation *s) {
+/// sum += weight sum of x_i x y_i over a body.
+static void add_moment(const LthSystem *system, LitheIndex b, double weight, const double *x,
+                       const double *y, double sum[3]) {
+  for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
+    double moment[3];
+    lth_v3_cross(x + 3 * i, y + 3 * i, moment);
+    lth_v3_axpy(weight, moment, sum);
+  }
+}
+
+/// Moment of the external forces over the step: of their end for Euler, the mean of both ends for the others.
+static void add_impulse(const LthSimulation *s, LitheIndex b, double dt, double sum[3]) {
+  const LthStage *g = &s->stage;
+  if (!g->is_second_order) {
+    add_moment(s->system, b, dt, g->x_start, s->f_ext, sum);
+    return;
+  }
+  add_moment(s->system, b, 0.5 * dt, g->x_start, g->f_start, sum);
+  add_moment(s->system, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
+  add_moment(s->system, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
+}
+
+/// A turn takes away what the solution misses of L1 = L0 + moment of the external forces. Frozen rotations leave a
+/// moment of the inner forces, and only the trapezoidal rule keeps products of x and v. L1 = x^ x M v1, as v1 x M v1
+/// sums up to nothing.
+static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   const LthSystem *system = s->system;
   const LthStage *g = &s->stage;
-  if (system->has_held || s->contact_on) return;
-  double *change = s->scratch, *inertia = s->rhs;
-  lth_system_apply_mass(system, s->solution, inertia);
-  for (LitheIndex b = 0; b < system->n_bodies; b++)
-    for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)
-      change[i] = g->p[i] + g->H * s->f_ext[i] - s->cm[b] * inertia[i];
-  bool coupled = system->n_couplings > 0;
-  for (LitheIndex b = 0; b < system->n_bodies; b = coupled ? system->n_bodies : b + 1) {
-    Group group = {.first = b, .last = coupled ? system->n_bodies : b + 1};
-    add_missing(s, change, &group);
-    if (!is_free(s, &group)) continue;
-    for (LitheCount i = system->dof_first[group.first] / 3; i < system->dof_first[group.last] / 3;
-         i++)
-      lth_v3_axpy(system->one[i] / group.inertia, group.missing, s->solution + 3 * i);
+  LthInertia inertia;
+  double missing[3] = {0}, C[9], turn[3], det = 0;
+  lth_rigid_inertia(s, b, g->x_hat, s->scratch, s->rhs, &inertia);
+  lth_system_apply_body_mass(system, b, s->v, s->rhs);
+  add_moment(system, b, 1, g->x_start, s->rhs, missing);
+  lth_system_apply_body_mass(system, b, s->solution, s->rhs);
+  add_moment(system, b, -1, g->x_hat, s->rhs, missing);
+  add_impulse(s, b, dt, missing);
+
+  lth_m3_cofactor(inertia.tensor, C);
+  for (int i = 0; i < 3; i++) det += inertia.tensor[i] * C[i];
+  if (!(det > 0)) return;
+  lth_m3_apply(C, missing, turn); // the inverse: C is symmetric
+  lth_v3_scale(1 / det, turn);
+  for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
+    double d[3], v[3];
+    lth_v3_copy(g->x_hat + 3 * i, d);
+    lth_v3_axpy(-system->one[i], inertia.center, d);
+    lth_v3_cross(turn, d, v);
+    lth_v3_add(s->solution + 3 * i, v, s->solution + 3 * i);
   }
+}
+
+void lth_stage_balance(LthSimulation *s, double dt) {
+  const LthSystem *system = s->system;
+  const LthStage *g = &s->stage;
+  if (s->contact_on) return;
+  double *missing = s->scratch;
+  lth_system_apply_mass(system, s->solution, s->rhs);
+  for (LitheCount i = 0; i < s->n; i++) missing[i] = g->p[i] + g->H * s->f_ext[i] - s->rhs[i];
+  for (LitheIndex b = 0; b < system->n_bodies; b++)
+    if (s->rigid.is_free[b] && s->rigid.group[b] == b) balance_momentum(s, b, missing);
+  for (LitheIndex b = 0; b < system->n_bodies; b++)
+    if (s->rigid.is_free[b] && s->rigid.is_alone[b] && system->bodies[b].warped)
+      balance_angular(s, b, dt);
 }

@@ -30,7 +30,7 @@ LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(allocate(ctx, s));
   memcpy(s->stage.x_start, s->x, bytes);
   memcpy(s->stage.f_start, s->f_ext, bytes);
-  return LITHE_OK;
+  return lth_rigid_find(ctx, s);
 }
 
 void lth_stage_free(LitheCtx *ctx, LthStage *g) {
@@ -160,6 +160,8 @@ static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s) {
 LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s) {
   s->report.newton_iterations = 0;
   s->contact_stands = false;
+  s->rigid.H = s->stage.H;
+  lth_rigid_prepare(s, s->stage.x_hat);
   LITHE_TRY(lth_step_drive(ctx, s, s->stage.t1, s->stage.H, s->stage.x_hat));
   for (LitheCount i = 0; s->system->has_held && i < s->n; i++)
     if (s->system->held[i]) s->solution[i] = s->driven[i];

@@ -183,6 +183,7 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   memset(s->v, 0, bytes);
   s->report.newton_iterations = 0;
   s->contact_stands = false;
+  s->rigid.H = 0;
   LITHE_TRY(lth_step_choose(ctx, s, true));
   LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   s->report.converged = before && balanced;

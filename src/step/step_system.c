@@ -56,6 +56,7 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
 static void apply_system(const void *self, int threads, const double *x, double *y) {
   const LthSimulation *s = self;
   lth_block_matrix_apply(s->A, threads, x, y);
+  if (s->rigid.H > 0) lth_rigid_spare(s, -s->rigid.H, x, y);
   if (!s->contact_on) return;
   lth_step_contact_apply(s, x, y);
   lth_system_zero_held(s->system, y);
@@ -104,7 +105,8 @@ void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double
 static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
                               LthSolveReport *report) {
   LitheStatus status = LITHE_OK;
-  if (!s->use_cholesky && !s->contact_on) {
+  bool is_blocks = !s->contact_on && !(s->rigid.H > 0 && s->rigid.spares);
+  if (!s->use_cholesky && is_blocks) {
     *report = lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
                                   tolerance, s->options.max_iterations);
     return LITHE_OK;

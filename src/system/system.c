@@ -186,9 +186,12 @@ double lth_system_energy(LthSystem *s, double t, const double *x) {
   return sum;
 }
 
+void lth_system_apply_body_mass(const LthSystem *s, LitheIndex b, const double *v, double *y) {
+  disc_of(s, b)->table->apply_mass(disc_of(s, b), v + s->dof_first[b], y + s->dof_first[b]);
+}
+
 void lth_system_apply_mass(const LthSystem *s, const double *v, double *y) {
-  for (LitheIndex b = 0; b < s->n_bodies; b++)
-    disc_of(s, b)->table->apply_mass(disc_of(s, b), v + s->dof_first[b], y + s->dof_first[b]);
+  for (LitheIndex b = 0; b < s->n_bodies; b++) lth_system_apply_body_mass(s, b, v, y);
 }
 
 void lth_system_mass_diagonal(const LthSystem *s, double *mass) {

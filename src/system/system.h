@@ -51,7 +51,7 @@ typedef struct LthSystem {
   LthSystemBody *bodies;
   LthCoupling *couplings;
   LthContact **contacts; ///< all see vectors of the system               (n_contacts)
-  LitheCount n; ///< unknowns
+  LitheCount n;          ///< unknowns
   LitheIndex *row_first;
   LitheCount *dof_first;
   LitheIndex *row_body; ///< body of a block row                              (n_rows)
@@ -84,7 +84,9 @@ double lth_system_energy(LthSystem *system, double t, const double *x);
 void lth_system_combine(LitheCtx *ctx, LthSystem *system, const double *cm, const double *ck,
                         LthBlockMatrix *A);
 void lth_system_apply_mass(const LthSystem *system, const double *v, double *y); ///< y = M v
-void lth_system_mass_diagonal(const LthSystem *system, double *mass);            ///< (n)
+/// The same of one body; other entries of v and y (n each) stay.
+void lth_system_apply_body_mass(const LthSystem *system, LitheIndex b, const double *v, double *y);
+void lth_system_mass_diagonal(const LthSystem *system, double *mass); ///< (n)
 
 /// f = external forces at time t, without contact.
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *system, double t, const double *x,

@@ -29,38 +29,6 @@ static void free_flight_keeps_momentum_to_rounding(void **state) {
   }
 }
 
-/// Relative drift of angular momentum and of kinetic energy of a bar that spins for 2 s.
-static void spin(double dt, double *drift, double *energy) {
-  Beam b;
-  beam_create(&b, (BeamDef){.poisson = 0.3});
-  beam_set_velocity(&b, (double[3]){0}, (double[]){0.3, 1, 2});
-  lth_simulation_measure(b.ctx, b.sim);
-  LthStepReport first = *lth_simulation_report(b.sim);
-  steps(&b, (int)lround(2 / dt), dt);
-  lth_simulation_measure(b.ctx, b.sim);
-  const LthStepReport *last = lth_simulation_report(b.sim);
-  double lost[3];
-  lth_v3_sub(last->angular_momentum, first.angular_momentum, lost);
-  *drift = norm3(lost) / norm3(first.angular_momentum);
-  *energy = last->kinetic_energy / first.kinetic_energy;
-  CHECK_AT_MOST(norm3(last->momentum), 1e-12);
-  beam_destroy(&b);
-}
-
-static void spinning_bar_keeps_angular_momentum_to_first_order(void **state) {
-  (void)state;
-  double coarse, fine, coarse_energy, fine_energy;
-  spin(1.0 / 30, &coarse, &coarse_energy);
-  spin(1.0 / 120, &fine, &fine_energy);
-  // measured 1.4e-3 and 3.6e-4, the same on finer meshes and with degree 2
-  CHECK_AT_MOST(coarse, 1.7e-3);
-  CHECK_AT_LEAST(coarse / fine, 3.5);
-  CHECK_AT_MOST(coarse / fine, 4.5);
-  CHECK_AT_LEAST(coarse_energy, 0.97);
-  CHECK_AT_MOST(coarse_energy, 1.0);
-  CHECK_AT_LEAST(fine_energy, coarse_energy);
-}
-
 static void one_step_damps_a_mode_as_the_theory_says(void **state) {
   (void)state;
   static const int modes[] = {0, 3, 20};
@@ -278,7 +246,6 @@ static void missed_tolerance_is_told(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(free_flight_keeps_momentum_to_rounding),
-      cmocka_unit_test(spinning_bar_keeps_angular_momentum_to_first_order),
       cmocka_unit_test(one_step_damps_a_mode_as_the_theory_says),
       cmocka_unit_test(falling_body_follows_the_difference_scheme),
       cmocka_unit_test(strong_clamp_holds_and_carries),
