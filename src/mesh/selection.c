@@ -158,7 +158,7 @@ LitheStatus lth_select_cells(LitheCtx *ctx, const LthMesh *mesh, const LthWhere 
   LITHE_TRY_OR(done, lth_where_prepare(ctx, mesh, where, &ready));
   lth_patches_cells(mesh, patches, chosen);
   for (LitheIndex c = 0; c < mesh->n_cells; c++)
-    if (lth_where_contains(&ready, mesh->cell_centroid + 3 * (LitheCount)c, -1)) chosen[c] = 1;
+    if (lth_where_contains_cell(&ready, c)) chosen[c] = 1;
 done:
   lth_where_ready_free(ctx, &ready);
   lth_patches_destroy(ctx, &patches);

@@ -43,19 +43,14 @@ static LitheStatus add_shape_planes(LitheCtx *ctx, LthWhereReady *r, const LthSh
 }
 
 static LitheStatus prepare_node(LitheCtx *ctx, LthWhereReady *r, const LthWhere *w) {
-  if (w->kind == LTH_WHERE_LABEL)
-    LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
-               "where: label %s: this mesh has no labels; select by a shape, plane, normal or face "
-               "instead",
-               w->label ? w->label : "");
   if (w->kind == LTH_WHERE_SHAPE) LITHE_TRY(add_shape_planes(ctx, r, &w->shape));
   if (w->kind == LTH_WHERE_PLANE) LITHE_TRY(add_plane(ctx, r, w->point, w->normal));
-  if (w->kind == LTH_WHERE_FACE) {
+  if (w->kind == LTH_WHERE_FACE || w->kind == LTH_WHERE_LABEL) {
     LTH_RESERVE(ctx, r->patches, r->cap_patches, r->n_patches + 1);
-    LthFacePatch *patch = &r->patches[r->n_patches];
+    LthFacePatch *patch = &r->patches[r->n_patches++];
     *patch = (LthFacePatch){.node = w};
+    if (w->kind == LTH_WHERE_LABEL) return lth_mesh_label(ctx, r->mesh, w->label, patch);
     LTH_NEW(ctx, patch->member, r->mesh->n_faces);
-    r->n_patches++;
     LITHE_TRY(lth_face_patch_grow(ctx, r->mesh, w->point, w->angle, patch->member));
   }
   for (LitheIndex i = 0; i < w->n_children; i++) LITHE_TRY(prepare_node(ctx, r, &w->children[i]));
@@ -69,7 +64,10 @@ LitheStatus lth_where_prepare(LitheCtx *ctx, const LthMesh *mesh, const LthWhere
 }
 
 void lth_where_ready_free(LitheCtx *ctx, LthWhereReady *ready) {
-  for (LitheIndex i = 0; i < ready->n_patches; i++) lth_free(ctx, ready->patches[i].member);
+  for (LitheIndex i = 0; i < ready->n_patches; i++) {
+    lth_free(ctx, ready->patches[i].member);
+    lth_free(ctx, ready->patches[i].cell);
+  }
   lth_free(ctx, ready->patches);
   lth_free(ctx, ready->planes);
   *ready = (LthWhereReady){0};
@@ -86,13 +84,25 @@ static Answer within_normal(const LthWhere *w, const double normal[3]) {
   return answer_if(atan2(lth_v3_norm(cross), lth_v3_dot(w->normal, normal)) <= w->angle + 1e-9);
 }
 
-static Answer within_patch(const LthWhereReady *r, const LthWhere *w, LitheIndex face) {
-  for (LitheIndex i = 0; i < r->n_patches; i++)
-    if (r->patches[i].node == w) return answer_if(r->patches[i].member[face]);
-  return NO;
+static const LthFacePatch *patch_of(const LthWhereReady *r, const LthWhere *w) {
+  LitheIndex i = 0;
+  while (r->patches[i].node != w) i++;
+  return &r->patches[i];
 }
 
-static Answer ask(const LthWhereReady *r, const LthWhere *w, const double x[3], LitheIndex face) {
+/// A boundary face is in a group of faces, or where there is none of that name in the group of its cell.
+static Answer within_label(const LthWhereReady *r, const LthWhere *w, LitheIndex face,
+                           LitheIndex cell) {
+  const LthFacePatch *patch = patch_of(r, w);
+  if (face >= 0)
+    return answer_if(patch->member ? patch->member[face]
+                                   : patch->cell[r->mesh->face_cell[2 * face]]);
+  return cell < 0 || !patch->cell ? UNKNOWN : answer_if(patch->cell[cell]);
+}
+
+/// `face` and `cell` are -1 where x does not stand for one.
+static Answer ask(const LthWhereReady *r, const LthWhere *w, const double x[3], LitheIndex face,
+                  LitheIndex cell) {
   double d[3];
   Answer answer, child;
   switch (w->kind) {
@@ -106,16 +116,16 @@ static Answer ask(const LthWhereReady *r, const LthWhere *w, const double x[3], 
   case LTH_WHERE_NORMAL:
     return face < 0 ? UNKNOWN : within_normal(w, r->mesh->face_normal + 3 * (LitheCount)face);
   case LTH_WHERE_FACE:
-    return face < 0 ? UNKNOWN : within_patch(r, w, face);
+    return face < 0 ? UNKNOWN : answer_if(patch_of(r, w)->member[face]);
   case LTH_WHERE_LABEL:
-    return NO;
+    return within_label(r, w, face, cell);
   case LTH_WHERE_NOT:
-    return (Answer)(YES - ask(r, &w->children[0], x, face));
+    return (Answer)(YES - ask(r, &w->children[0], x, face, cell));
   case LTH_WHERE_AND:
   case LTH_WHERE_OR:
     answer = w->kind == LTH_WHERE_AND ? YES : NO;
     for (LitheIndex i = 0; i < w->n_children; i++) {
-      child = ask(r, &w->children[i], x, face);
+      child = ask(r, &w->children[i], x, face, cell);
       if (w->kind == LTH_WHERE_AND ? child < answer : child > answer) answer = child;
     }
     return answer;
@@ -124,5 +134,10 @@ static Answer ask(const LthWhereReady *r, const LthWhere *w, const double x[3], 
 }
 
 bool lth_where_contains(const LthWhereReady *ready, const double x[3], LitheIndex face) {
-  return ask(ready, ready->where, x, face) == YES;
+  return ask(ready, ready->where, x, face, -1) == YES;
+}
+
+bool lth_where_contains_cell(const LthWhereReady *ready, LitheIndex cell) {
+  const double *x = ready->mesh->cell_centroid + 3 * (LitheCount)cell;
+  return ask(ready, ready->where, x, -1, cell) == YES;
 }

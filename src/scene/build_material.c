@@ -38,9 +38,7 @@ static LitheStatus choose_entries(LitheCtx *ctx, LthBody *body) {
       }
     }
     for (LitheIndex c = 0; c < mesh->n_cells; c++)
-      if (body->label[c] < 0 &&
-          (!entry->has_where ||
-           lth_where_contains(&ready, mesh->cell_centroid + 3 * (LitheCount)c, -1)))
+      if (body->label[c] < 0 && (!entry->has_where || lth_where_contains_cell(&ready, c)))
         body->label[c] = i;
     lth_where_ready_free(ctx, &ready);
   }
