@@ -93,7 +93,7 @@ static void put_head(FILE *out, const LthVtu *vtu, const LthVtuTopology *topolog
   fprintf(out, "    <Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n", vtu->n_points,
           vtu->mesh->n_cells);
   fputs("      <Points>\n", out);
-  put_array(out, "Float32", "Points", 3, blocks, &offset);
+  put_array(out, vtu->wide_points ? "Float64" : "Float32", "Points", 3, blocks, &offset);
   fputs("      </Points>\n", out);
   put_arrays(out, "PointData", vtu->n_point_arrays, vtu->point_arrays, blocks + 1, &offset);
   put_arrays(out, "CellData", vtu->n_cell_arrays, vtu->cell_arrays,
@@ -119,7 +119,11 @@ static LitheStatus put_file(LitheCtx *ctx, const char *path, const LthVtu *vtu,
 }
 
 static LitheStatus encode_fields(LitheCtx *ctx, const LthVtu *vtu, LthVtuBlock *blocks) {
-  LITHE_TRY(encode_floats(ctx, vtu->n_points, 3, vtu->points, blocks++));
+  if (vtu->wide_points)
+    LITHE_TRY(lth_vtu_block_encode(ctx, vtu->points,
+                                   3 * (LitheCount)sizeof *vtu->points * vtu->n_points, blocks++));
+  else
+    LITHE_TRY(encode_floats(ctx, vtu->n_points, 3, vtu->points, blocks++));
   for (int i = 0; i < vtu->n_point_arrays; i++) {
     const LthVtuArray *a = vtu->point_arrays + i;
     LITHE_TRY(encode_floats(ctx, vtu->n_points, a->components, a->data, blocks++));

@@ -18,7 +18,8 @@ typedef struct LthVtuTopology LthVtuTopology;
 typedef struct LthVtu {
   const LthMesh *mesh;
   LitheIndex n_points;               ///< rows of points
-  const double *points;              ///< (n_points x 3), float in the file
+  const double *points;              ///< (n_points x 3)
+  bool wide_points;                  ///< doubles in the file, for meshes that are to be read again
   const LitheCount *cell_point_off;  ///< (n_cells + 1) points of a cell
   const LitheIndex *cell_mesh_point; ///< mesh point behind each row           (n_points)
   const LthVtuArray *point_arrays, *cell_arrays;
@@ -36,7 +37,7 @@ LitheStatus lth_vtu_cell_points(LitheCtx *ctx, const LthMesh *mesh, LitheCount *
 LitheStatus lth_vtu_topology_create(LitheCtx *ctx, const LthVtu *vtu, LthVtuTopology **topology);
 void lth_vtu_topology_destroy(LitheCtx *ctx, LthVtuTopology **topology);
 
-/// Write one file: VTK_POLYHEDRON cells, points and arrays as Float32, zlib-compressed appended data.
+/// Write one file: VTK_POLYHEDRON cells, points and arrays as Float32 (but for wide_points), zlib-compressed appended data.
 /// Atomic. LITHE_NO_SPACE: cannot write.
 LitheStatus lth_vtu_write(LitheCtx *ctx, const char *path, const LthVtu *vtu);
 

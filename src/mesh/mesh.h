@@ -52,6 +52,10 @@ void lth_mesh_bounds(const LthMesh *mesh, double min[3], double max[3]);
 /// The loops of face f.
 LthFaceView lth_mesh_face(const LthMesh *mesh, LitheIndex f);
 
+/// The boundary as polygons of its own points, outward; every face one polygon. For meshes whose faces have one
+/// loop each, as those from files have. Free with lth_soup_destroy().
+LitheStatus lth_mesh_boundary_soup(LitheCtx *ctx, const LthMesh *mesh, LthSoup **soup);
+
 /// +1 where face f's normal points out of cell, -1 where it points in.
 static inline double lth_mesh_side(const LthMesh *mesh, LitheIndex f, LitheIndex cell) {
   return mesh->face_cell[2 * f] == cell ? 1.0 : -1.0;

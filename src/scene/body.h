@@ -14,8 +14,9 @@ typedef struct LthBody {
   // shape -> mesh (build_mesh.c)
   LthSurface *surface; ///< closed surface in scene axes; NULL for plain boxes of cells
   LthMesh *mesh;
-  double box[6]; ///< of the mesh: min, max [m]
-  double size;   ///< longest side of it [m]
+  LthElementMesh *elements; ///< nodes and elements behind the mesh, of a file (then the scene's)
+  double box[6];            ///< of the mesh: min, max [m]
+  double size;              ///< longest side of it [m]
 
   // space and material (build_material.c)
   LthDgSpace *space;

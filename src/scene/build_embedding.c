@@ -19,11 +19,17 @@ static LitheStatus soup_from_surface(LitheCtx *ctx, const LthSurface *surface, L
   return LITHE_OK;
 }
 
-/// The embedded surface: the scene's file, the shape's file, or the tessellated shape.
+/// The embedded surface: the scene's file, the shape's file, the tessellated shape, or without a shape the
+/// boundary of the mesh file.
 static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
   body->soup = def->embed_soup ? def->embed_soup : def->soup;
   if (body->soup) return LITHE_OK;
+  if (!def->has_shape) {
+    LITHE_TRY(lth_mesh_boundary_soup(ctx, body->mesh, &body->own_soup));
+    body->soup = body->own_soup;
+    return LITHE_OK;
+  }
   if (!body->surface) {
     double resolution =
         def->shape_resolution > 0 ? def->shape_resolution : body->mesh->cell_size / 4;

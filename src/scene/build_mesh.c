@@ -100,10 +100,22 @@ static void measure_box(LthBody *body) {
   for (int a = 0; a < 3; a++) body->size = fmax(body->size, body->box[3 + a] - body->box[a]);
 }
 
+/// The elements of a file, which the scene owns, as polyhedra.
+static LitheStatus build_file(LitheCtx *ctx, LthBody *body) {
+  const LthSceneBody *def = body->def;
+  if (!def->elements)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s.method.mesh: its file was not opened", def->place);
+  body->elements = def->elements;
+  LITHE_TRY(lth_mesh_from_elements(ctx, def->elements, def->elements_file, &body->mesh));
+  measure_box(body);
+  return LITHE_OK;
+}
+
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
   double min[3], max[3];
   LthGrid grid;
   lth_progress(ctx, "meshing", -1);
+  if (body->def->mesh_kind == LTH_MESH_FILE) return build_file(ctx, body);
   lth_shape_bounds(&body->def->shape, min, max);
   if (!(min[0] < max[0] && min[1] < max[1] && min[2] < max[2]))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,

@@ -24,6 +24,7 @@ static LitheStatus write_mesh(LitheCtx *ctx, const LthMesh *mesh, const char *pa
   LthVtu vtu = {.mesh = mesh,
                 .n_points = (LitheIndex)off[mesh->n_cells],
                 .points = points,
+                .wide_points = true,
                 .cell_point_off = off,
                 .cell_mesh_point = mesh_point,
                 .cell_arrays = arrays,

@@ -16,7 +16,12 @@
 
 static void check_size(LthReader *r, LthNode *shape, const LthSceneBody *body) {
   double min[3], max[3], largest = 0;
-  lth_shape_bounds(&body->shape, min, max);
+  if (body->elements) {
+    lth_v3_copy(body->elements_box, min);
+    lth_v3_copy(body->elements_box + 3, max);
+  } else {
+    lth_shape_bounds(&body->shape, min, max);
+  }
   for (int i = 0; i < 3; i++) largest = fmax(largest, fmax(fabs(min[i]), fabs(max[i])));
   double size = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
   if (!(size >= LENGTH_MIN && largest <= LENGTH_MAX)) {
@@ -60,14 +65,36 @@ static LitheStatus read_body_shape(LthReader *r, const LthNode *node, const LthP
   LITHE_TRY(lth_read_shape(r, shape, place, has_grid ? search : NULL, false, &body->shape));
   body->shape_resolution = lth_read_number(shape, "resolution", 0);
   keep_mesh(r, body);
+  body->has_shape = shape != NULL;
   bool is_sound = shape && lth_node_is_sound(shape);
   if (is_sound) check_size(r, lth_node_find(node, "shape"), body);
+  if (!lth_node_find(node, "shape") && !lth_method_has_file(lth_node_find(node, "method")))
+    lth_report_missing(r->report, node, "shape",
+                       "missing; expected a shape such as {mesh: {file: part.obj}} or {box: {min, "
+                       "max}}");
+  return LITHE_OK;
+}
+
+/// The mesh of a file, and what `where` may name of it.
+static LitheStatus read_body_elements(LthReader *r, const LthNode *method,
+                                      const LthPlacement *place, LthSceneBody *body) {
+  r->labels = LTH_LABELS_NONE;
+  r->elements = NULL;
+  if (!lth_method_has_file(method)) return LITHE_OK;
+  LthNode *mesh = lth_node_find(method, "mesh");
+  r->labels = LTH_LABELS_UNKNOWN;
+  LITHE_TRY(lth_read_elements(r, mesh, place, body));
+  if (!body->elements) return LITHE_OK;
+  check_size(r, mesh, body);
+  r->labels = LTH_LABELS_OF_FILE;
+  r->elements = body->elements;
   return LITHE_OK;
 }
 
 static void check_box_mesh(LthReader *r, const LthNode *node, const LthSceneBody *body) {
   LthNode *mesh = lth_node_find(lth_node_find(node, "method"), "mesh");
-  if (!mesh || mesh->bad || body->mesh_kind == LTH_MESH_SLICE) return;
+  if (!mesh || mesh->bad || body->mesh_kind == LTH_MESH_SLICE || body->mesh_kind == LTH_MESH_FILE)
+    return;
   LthNode *shape = lth_node_find(node, "shape");
   if (body->shape.kind == LTH_SHAPE_BOX || !shape || shape->bad) return;
   bool is_turned = lth_node_find(shape, "box") != NULL;
@@ -113,12 +140,14 @@ static LitheStatus read_body(LthReader *r, const LthNode *node, LthSceneBody *bo
   LITHE_TRY(read_body_shape(r, node, &place, body));
   lth_read_method(r, lth_node_get(node, "method"), body);
   check_box_mesh(r, node, body);
+  LITHE_TRY(read_body_elements(r, lth_node_get(node, "method"), &place, body));
   LITHE_TRY(lth_read_material(r, lth_node_get(node, "material"), body));
   LITHE_TRY(lth_read_constraints(r, lth_node_get(node, "constraints"), body));
   LITHE_TRY(lth_read_loads(r, lth_node_get(node, "loads"), body));
   const LthNode *initial = lth_node_get(node, "initial");
   lth_read_values(initial, "velocity", body->initial_velocity);
   lth_read_values(initial, "displacement", body->initial_displacement);
+  r->labels = LTH_LABELS_UNKNOWN; // selections of others are checked where their bodies are known
   return lth_read_embed(r, lth_node_get(node, "embed"), &place, body);
 }
 

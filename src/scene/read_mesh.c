@@ -53,8 +53,7 @@ LitheStatus lth_find_file(LthReader *r, const LthNode *node, const char **path) 
   return LITHE_OK;
 }
 
-/// Factor of the unit of a file's numbers.
-static double unit_factor(LthReader *r, const LthNode *node) {
+double lth_read_unit(LthReader *r, const LthNode *node) {
   LthUnit unit;
   const char *name = lth_read_text(node, "unit");
   if (!name) return 1;
@@ -99,7 +98,7 @@ static void file_map(LthReader *r, const LthNode *node, const LthSoup *soup,
   if (up && !up->is_default && !lth_node_find(node, "fit"))
     lth_report_key(r->report, up,
                    "it goes with fit, got no fit; expected fit beside it, or place.rotate");
-  double shift[3], b[3], scale = unit_factor(r, node) * lth_read_number(node, "scale", 1);
+  double shift[3], b[3], scale = lth_read_unit(r, node) * lth_read_number(node, "scale", 1);
   fit_map(node, soup, &scale, shift);
   lth_place_point(place, shift, b);
   for (int i = 0; i < 3; i++) {

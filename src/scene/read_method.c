@@ -39,11 +39,43 @@ static void read_penalty(const LthNode *node, LthSceneBody *body) {
   body->eta = node->kind == LTH_NODE_MAP ? lth_read_number(node, "eta", 1) : node->value.constant;
 }
 
+/// Exactly one of these, but none where the mesh is a file's.
+static void check_resolution(LthReader *r, const LthNode *node) {
+  static const char *const keys[] = {"cells", "cell_size", "grid"};
+  LthNode *found = NULL;
+  bool has_bad_key = false;
+  if (!node || node->kind != LTH_NODE_MAP) return;
+  for (int i = 0; i < 3; i++) {
+    LthNode *child = lth_node_find(node, keys[i]);
+    if (child && lth_method_has_file(node)) {
+      lth_report_key(r->report, child,
+                     "the mesh is a file's, which has its own cells, got %s too; leave it out",
+                     keys[i]);
+      return;
+    }
+    if (child && found) {
+      lth_report_key(r->report, child->index > found->index ? child : found,
+                     "%s and %s exclude each other, got both; expected exactly one of cells, "
+                     "cell_size, grid",
+                     found->key, child->key);
+      return;
+    }
+    if (child) found = child;
+  }
+  for (const LthNode *child = node->first; child; child = child->next)
+    has_bad_key = has_bad_key || child->bad;
+  if (found || has_bad_key || lth_method_has_file(node)) return;
+  lth_report(r->report, node, "incomplete, got %s; expected exactly one of cells, cell_size, grid",
+             node->n_children ? "none of the keys it needs" : "an empty mapping");
+}
+
 void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra", NULL};
   static const char *const fluxes[] = {"ip", "bz", NULL};
   const LthNode *grid = lth_node_get(node, "grid");
-  body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
+  check_resolution(r, node);
+  if (!lth_method_has_file(node))
+    body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
   body->flux = (LthFlux)lth_read_word(node, "flux", fluxes);
   body->degree_at = lth_read_value(node, "degree");
   body->degree = body->degree_at.eval ? 0 : lth_read_integer(node, "degree", 1);

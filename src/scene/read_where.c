@@ -54,6 +54,10 @@ LitheStatus lth_read_where(LthReader *r, const LthNode *node, LthWhere *where) {
   } else if ((value = lth_node_get(node, "or"))) {
     where->kind = LTH_WHERE_OR;
     return read_children(r, value->first, value->n_children, where);
+  } else if ((value = lth_node_get(node, "label"))) {
+    where->kind = LTH_WHERE_LABEL;
+    lth_check_label(r, value);
+    return lth_copy_text(r->ctx, value->text, &where->label);
   } else {
     where->kind = LTH_WHERE_SHAPE;
     return lth_read_shape(r, node, &in_place, NULL, true, &where->shape);

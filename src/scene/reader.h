@@ -28,6 +28,9 @@ typedef struct LthReader {
   bool opens_files;         ///< false: files of a text of unknown origin stay closed
   const LthNode *root;
   double mesh_to_scene[12]; ///< of the mesh shape that was read last
+  /// Groups that a `where` may name: of the body at hand; UNKNOWN where its file could not be read.
+  enum { LTH_LABELS_UNKNOWN, LTH_LABELS_NONE, LTH_LABELS_OF_FILE } labels;
+  const LthElementMesh *elements;
 } LthReader;
 
 /// x_scene = R x + t.
@@ -89,6 +92,19 @@ LitheStatus lth_read_mesh(LthReader *r, const LthNode *node, const LthPlacement 
 /// A surface file that goes through a transform that is already known.
 LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_scene[12],
                              LthMeshFile *mesh);
+
+/// Factor of `unit` of a file's numbers, 1 where it is not given.
+double lth_read_unit(LthReader *r, const LthNode *node);
+
+/// --- volume meshes (read_elements.c) ---
+
+/// Read and place the mesh file of a method; what is wrong with it is reported at its name.
+LitheStatus lth_read_elements(LthReader *r, const LthNode *node, const LthPlacement *place,
+                              LthSceneBody *body);
+/// Whether a method takes its mesh from a file.
+bool lth_method_has_file(const LthNode *method);
+/// Report a label that the mesh file of the body at hand does not have.
+void lth_check_label(LthReader *r, const LthNode *label);
 
 LitheStatus lth_own_surface(LthReader *r, LthSurface *surface); ///< also frees it where that fails
 LitheStatus lth_own_soup(LthReader *r, LthSoup *soup);

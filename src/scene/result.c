@@ -28,7 +28,7 @@ static void put_degree(LthJson *json, const LthDisc *disc) {
 
 static void put_method(LthJson *json, const LthBody *body) {
   const LthSceneBody *def = body->def;
-  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra"};
+  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra", "file"};
   lth_json_begin_object(json, "method");
   lth_json_string(json, "kind", "dg");
   lth_json_string(json, "mesh", meshes[def->mesh_kind]);

@@ -189,6 +189,7 @@ LitheStatus lth_scene_rename(LitheCtx *ctx, LthScene *scene, const char *file) {
 
 static void free_body(LitheCtx *ctx, LthSceneBody *body) {
   lth_shape_free(ctx, &body->shape);
+  lth_element_mesh_destroy(ctx, &body->elements);
   for (LitheIndex i = 0; i < body->n_materials; i++) lth_where_free(ctx, &body->materials[i].where);
   for (LitheIndex i = 0; i < body->n_constraints; i++)
     lth_where_free(ctx, &body->constraints[i].where);

@@ -7,10 +7,16 @@
 #include "embed/embedding.h"
 #include "geometry/shape.h"
 #include "material/material.h"
+#include "mesh/element_mesh.h"
 #include "mesh/selection.h"
 #include "step/simulation.h"
 
-typedef enum LthMeshKind { LTH_MESH_SLICE, LTH_MESH_HEXAHEDRA, LTH_MESH_TETRAHEDRA } LthMeshKind;
+typedef enum LthMeshKind {
+  LTH_MESH_SLICE,
+  LTH_MESH_HEXAHEDRA,
+  LTH_MESH_TETRAHEDRA,
+  LTH_MESH_FILE
+} LthMeshKind;
 
 /// How a body's resolution is given; exactly one of the three.
 typedef struct LthResolution {
@@ -54,6 +60,10 @@ typedef struct LthSceneBody {
   LthSceneMaterial *materials;
   LitheIndex n_materials;
   LthMeshKind mesh_kind;
+  bool has_shape;            ///< false: the mesh file is the shape
+  LthElementMesh *elements;  ///< of a mesh file, placed; NULL otherwise
+  const char *elements_file; ///< its path, for messages
+  double elements_box[6];    ///< min, max [m]
   LthResolution resolution;
   int degree;         ///< of every element; 0: `degree_at`
   LthValue degree_at; ///< an expression of x, y, z, taken at centroids and rounded
