@@ -280,16 +280,61 @@ static void cells_touch_the_selection_or_lie_in_it(void **state) {
   finish(ctx, mesh);
 }
 
-static void labels_are_refused(void **state) {
+/// Area that a label selects of the boundary, and the number of cells.
+static double labelled(LitheCtx *ctx, const LthMesh *m, const LthWhere *w, LitheIndex *n_cells) {
+  LthPatches *patches = NULL;
+  uint8_t chosen[8];
+  double area = 0;
+  CHECK_OK(ctx, lth_select_boundary(ctx, m, w, &patches));
+  for (LitheIndex i = 0; i < patches->n; i++) area += patches->area[i];
+  lth_patches_destroy(ctx, &patches);
+  CHECK_OK(ctx, lth_select_cells(ctx, m, w, chosen));
+  *n_cells = 0;
+  for (LitheIndex c = 0; c < m->n_cells; c++) *n_cells += chosen[c];
+  return area;
+}
+
+/// Two by two by two cubes; the groups are freed with the mesh.
+static void labels_select_groups_of_faces_or_of_cells(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
-  LthMesh *mesh = grid_mesh(ctx, false, 1, 1, 1);
-  LthWhere label = {.kind = LTH_WHERE_LABEL, .label = (char[]){"1"}},
-           w = combine(LTH_WHERE_NOT, &label, 1);
-  LthPatches *p = NULL;
-  assert_int_equal(lth_select_boundary(ctx, mesh, &w, &p), LITHE_UNSUPPORTED);
-  assert_null(p);
-  finish(ctx, mesh);
+  static const LthGrid grid = {{0, 0, 0}, {2, 2, 2}, {2, 2, 2}};
+  LthMesh *m = NULL;
+  LitheIndex n = 0, n_top = 0;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &grid, &m));
+  m->groups = lth_alloc(ctx, 2, sizeof *m->groups);
+  for (m->n_groups = 0; m->n_groups < 2; m->n_groups++) {
+    LthMeshGroup *g = &m->groups[m->n_groups];
+    g->of_cells = m->n_groups == 1;
+    g->tag = 5 + m->n_groups;
+    g->member = lth_alloc(ctx, 4, sizeof *g->member);
+    CHECK_OK(ctx, lth_copy_text(ctx, g->of_cells ? "low" : "Top", &g->name));
+  }
+  for (LitheIndex f = 0; f < m->n_faces; f++)
+    if (m->face_centroid[3 * f + 2] == 2) m->groups[0].member[n_top++] = f;
+  m->groups[0].n = m->groups[1].n = 4;
+  for (LitheIndex c = 0; c < 4; c++) m->groups[1].member[c] = c; // z below 1
+  LthWhere top = {.kind = LTH_WHERE_LABEL, .label = (char[]){"Top"}},
+           low = {.kind = LTH_WHERE_LABEL, .label = (char[]){"6"}},
+           not_low = combine(LTH_WHERE_NOT, &low, 1), not_top = combine(LTH_WHERE_NOT, &top, 1);
+  CHECK_NEAR(labelled(ctx, m, &top, &n), 4, 1e-14);
+  assert_int_equal(n, 4); // those at the faces
+  CHECK_NEAR(labelled(ctx, m, &low, &n), 4 + 8, 1e-14);
+  assert_int_equal(n, 4);
+  CHECK_NEAR(labelled(ctx, m, &not_low, &n), 24 - 12, 1e-14);
+  assert_int_equal(n, 4);
+  CHECK_NEAR(labelled(ctx, m, &not_top, &n), 24 - 4, 1e-14);
+  top.label = (char[]){"tOP"};
+  CHECK_NEAR(labelled(ctx, m, &top, &n), 4, 1e-14);
+
+  LthPatches *patches = NULL;
+  top.label = (char[]){"side"};
+  assert_int_equal(lth_select_boundary(ctx, m, &not_top, &patches), LITHE_BAD_INPUT);
+  assert_string_equal(lithe_ctx_message(ctx),
+                      "where.label: the mesh has no group side; it has Top, low");
+  lth_mesh_destroy(ctx, &m);
+  assert_int_equal(lth_alloc_bytes(ctx), 0);
+  lithe_ctx_destroy(&ctx);
 }
 
 static void quadrature_is_exact_on_divided_faces(void **state) {
@@ -384,7 +429,7 @@ int main(void) {
       cmocka_unit_test(normals_select_sides),
       cmocka_unit_test(patches_grow_up_to_sharp_edges),
       cmocka_unit_test(cells_touch_the_selection_or_lie_in_it),
-      cmocka_unit_test(labels_are_refused),
+      cmocka_unit_test(labels_select_groups_of_faces_or_of_cells),
       cmocka_unit_test(quadrature_is_exact_on_divided_faces),
       cmocka_unit_test(survives_failing_allocations),
   };
