@@ -44,7 +44,7 @@ static LitheStatus read_scene(App *app) {
   return lithe_scene_read(app->ctx, &def, &app->scene);
 }
 
-LitheStatus app_open(App *app, const Args *args) {
+LitheStatus app_open_context(App *app, const Args *args) {
   *app = (App){.args = args};
   progress_start(&app->progress, args->quiet);
   LitheCtxDef def = lithe_ctx_def_default();
@@ -54,7 +54,12 @@ LitheStatus app_open(App *app, const Args *args) {
   app->ctx = lithe_ctx_create(&def);
   if (!app->ctx) return LITHE_NO_MEMORY;
   catch_signals(app->ctx);
-  return read_scene(app);
+  return LITHE_OK;
+}
+
+LitheStatus app_open(App *app, const Args *args) {
+  LitheStatus status = app_open_context(app, args);
+  return status == LITHE_OK ? read_scene(app) : status;
 }
 
 static void print_failure(const App *app, LitheStatus status) {

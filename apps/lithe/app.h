@@ -13,7 +13,8 @@ typedef struct App {
   Progress progress;
 } App;
 
-/// Make the context and read the scene. On failure the messages have been printed.
+/// Make the context alone, or with the scene that the arguments name.
+LitheStatus app_open_context(App *app, const Args *args);
 LitheStatus app_open(App *app, const Args *args);
 
 /// Print what went wrong, if anything did, and the warnings; free all; return the exit status.
@@ -22,4 +23,5 @@ int app_close(App *app, LitheStatus status);
 int cmd_run(const Args *args);
 int cmd_check(const Args *args);
 int cmd_mesh(const Args *args);
+int cmd_convert(const Args *args);
 int cmd_info(const Args *args);

@@ -5,22 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, ALL = RUN | CHECK | MESH | INFO };
+enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, CONVERT = 16, ALL = 31 };
 
 static const struct {
   const char *name;
   int bit;
-  bool takes_scene;
+  int n_words; ///< 1: a scene; 2: a deck, then a scene
   const char *usage, *purpose;
 } commands[] = {
-    {"run", RUN, true,
-     "lithe run SCENE [-o DIR] [options]\n       lithe run --resume DIR [options]",
+    {"run", RUN, 1, "lithe run SCENE [-o DIR] [options]\n       lithe run --resume DIR [options]",
      "run a scene and write its result"},
-    {"check", CHECK, true, "lithe check SCENE [options]",
+    {"check", CHECK, 1, "lithe check SCENE [options]",
      "check a scene and say what a run would need"},
-    {"mesh", MESH, true, "lithe mesh SCENE [-o FILE.vtu] [options]",
+    {"mesh", MESH, 1, "lithe mesh SCENE [-o FILE.vtu] [options]",
      "make the mesh only, report its quality"},
-    {"info", INFO, false, "lithe info", "print version, build options, engines and licence"},
+    {"convert", CONVERT, 2, "lithe convert DECK.inp SCENE.yaml [--step N]",
+     "translate a CalculiX or Abaqus deck into a scene"},
+    {"info", INFO, 0, "lithe info", "print version, build options, engines and licence"},
 };
 
 static const struct {
@@ -34,8 +35,9 @@ static const struct {
     {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH,
      "override a value: --set bodies.0.method.degree=2"},
     {"--threads", NULL, "N", RUN | CHECK | MESH, "threads to use (all cores if not given)"},
+    {"--step", NULL, "N", CONVERT, "translate the end of this step (the last if not given)"},
     {"--json", NULL, NULL, RUN | CHECK | MESH, "print the result as JSON on standard output"},
-    {"--quiet", "-q", NULL, RUN | CHECK | MESH, "print nothing but errors"},
+    {"--quiet", "-q", NULL, RUN | CHECK | MESH | CONVERT, "print nothing but errors"},
     {"--help", "-h", NULL, ALL, "print this help"},
     {"--version", NULL, NULL, ALL, "print the version"},
 };
@@ -104,6 +106,17 @@ static bool set_threads(const char *value, Args *args) {
   return true;
 }
 
+static bool set_step(const char *value, Args *args) {
+  char *end;
+  long n = strtol(value, &end, 10);
+  if (end == value || *end || n < 1 || n > 1000000) {
+    fprintf(stderr, "lithe: --step: expected a number from 1 to 1000000, got '%s'\n", value);
+    return false;
+  }
+  args->step = (int)n;
+  return true;
+}
+
 static bool add_set(const char *value, Args *args) {
   const char *equals = strchr(value, '=');
   if (!equals || equals == value) {
@@ -123,6 +136,7 @@ static bool apply(int option, const char *value, Args *args) {
   const char *name = options[option].name;
   if (strcmp(name, "--set") == 0) return add_set(value, args);
   if (strcmp(name, "--threads") == 0) return set_threads(value, args);
+  if (strcmp(name, "--step") == 0) return set_step(value, args);
   if (strcmp(name, "--out") == 0) args->out = value;
   if (strcmp(name, "--resume") == 0) args->resume = value;
   if (strcmp(name, "--json") == 0) args->json = true;
@@ -169,7 +183,12 @@ static bool parse_word(const char *word, Args *args) {
     args->command = word;
     return true;
   }
-  if (args->scene || !commands[find_command(args->command)].takes_scene) {
+  int n_words = commands[find_command(args->command)].n_words;
+  if (n_words == 2 && !args->deck) {
+    args->deck = word;
+    return true;
+  }
+  if (args->scene || n_words == 0) {
     fprintf(stderr, "lithe: %s: one word too many: '%s'\nusage: %s\n", args->command, word,
             commands[find_command(args->command)].usage);
     return false;
@@ -192,19 +211,20 @@ static bool is_only_resume(const Args *args) {
   return false;
 }
 
-/// A command that takes a scene has one.
+/// A command that takes files has them.
 static bool is_complete(const Args *args) {
   if (args->help || args->version) return true;
   if (!args->command) {
-    fprintf(stderr,
-            "lithe: a command is missing: run, check, mesh or info; 'lithe --help' says more\n");
+    fprintf(stderr, "lithe: a command is missing: run, check, mesh, convert or info; 'lithe "
+                    "--help' says more\n");
     return false;
   }
   if (args->resume) return is_only_resume(args);
   int command = find_command(args->command);
-  if (!commands[command].takes_scene || args->scene) return true;
-  fprintf(stderr, "lithe: %s: a scene file is missing\nusage: %s\n", args->command,
-          commands[command].usage);
+  if (commands[command].n_words == 0 || args->scene) return true;
+  bool no_deck = commands[command].n_words == 2 && !args->deck;
+  fprintf(stderr, "lithe: %s: a %s file is missing\nusage: %s\n", args->command,
+          no_deck ? "deck" : "scene", commands[command].usage);
   return false;
 }
 

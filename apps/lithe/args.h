@@ -9,12 +9,14 @@
 typedef struct Args {
   const char *command;             ///< NULL: none was given
   const char *scene;               ///< NULL where the command takes none
+  const char *deck;                ///< of convert, or NULL
   const char *out;                 ///< -o, or NULL
   const char *resume;              ///< --resume, or NULL: there is no scene then
   const char *sets[ARGS_MAX_SETS]; ///< --set path=value, in order           (n_sets)
   int n_sets;
   bool json, quiet, help, version;
   int threads; ///< 0: not given
+  int step;    ///< 0: not given
 } Args;
 
 /// Parse and check. On false a message has gone to standard error: exit with status 2.

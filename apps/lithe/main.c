@@ -8,7 +8,11 @@ int main(int argc, char **argv) {
   static const struct {
     const char *name;
     int (*run)(const Args *args);
-  } commands[] = {{"run", cmd_run}, {"check", cmd_check}, {"mesh", cmd_mesh}, {"info", cmd_info}};
+  } commands[] = {{"run", cmd_run},
+                  {"check", cmd_check},
+                  {"mesh", cmd_mesh},
+                  {"convert", cmd_convert},
+                  {"info", cmd_info}};
   Args args;
   if (!args_parse(argc, argv, &args)) return 2;
   if (args.help) {

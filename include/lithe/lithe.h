@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lithe/base.h"
+#include "lithe/convert.h"
 #include "lithe/info.h"
 #include "lithe/run.h"
 #include "lithe/scene.h"

@@ -1,4 +1,4 @@
-/// What all discretisations share: sampling of vector fields, loads on boundary that is held in part.
+/// What all discretisations share: point forces, sampling of vector fields, loads on boundary that is held in part.
 #include "disc/disc.h"
 
 #include <math.h>
@@ -7,6 +7,39 @@
 void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc) {
   if (*disc) (*disc)->table->destroy(ctx, *disc);
   *disc = NULL;
+}
+
+void lth_places_destroy(LitheCtx *ctx, LthPlaces **places) {
+  if (!*places) return;
+  lth_free(ctx, (*places)->at);
+  lth_free(ctx, (*places)->cell_off);
+  lth_free(ctx, (*places)->cell);
+  lth_free(ctx, *places);
+  *places = NULL;
+}
+
+/// f_i += F phi_i(at) / n, for each of the n cells at a place.
+static void add_point_force(const LthDisc *disc, const LthLoad *load, LitheIndex place, double t,
+                            double *f) {
+  const LthPlaces *p = load->places;
+  const double *at = p->at + 3 * (LitheCount)place;
+  LitheIndex first = p->cell_off[place], end = p->cell_off[place + 1];
+  for (LitheIndex k = first; k < end; k++) {
+    LitheIndex func[LTH_DISC_MAX_FUNCS];
+    double phi[LTH_DISC_MAX_FUNCS];
+    int n = disc->table->eval(disc, p->cell[k], at, func, phi);
+    for (int a = 0; a < 3; a++) {
+      double force = lth_value_at(&load->value[a], at, t) / (end - first);
+      for (int i = 0; i < n; i++) f[3 * (LitheCount)func[i] + a] += force * phi[i];
+    }
+  }
+}
+
+LitheStatus lth_disc_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
+                              const double *x, double *f) {
+  if (load->kind != LTH_LOAD_POINT_FORCE) return disc->table->add_load(ctx, disc, load, t, x, f);
+  for (LitheIndex i = 0; i < load->places->n; i++) add_point_force(disc, load, i, t, f);
+  return LITHE_OK;
 }
 
 void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],

@@ -12,12 +12,24 @@ typedef enum LthLoadKind {
   LTH_LOAD_TOTAL_FORCE, ///< value [N], spread evenly over the selection
   LTH_LOAD_PRESSURE,    ///< value[0] [Pa] along the inward normal
   LTH_LOAD_STRESS,      ///< stress [Pa] row-major; traction = stress n
-  LTH_LOAD_BODY_FORCE   ///< value [N/m^3]
+  LTH_LOAD_BODY_FORCE,  ///< value [N/m^3]
+  LTH_LOAD_POINT_FORCE  ///< value [N] at each of `places`
 } LthLoadKind;
+
+/// Places in a body and the cells that touch each of them.
+typedef struct LthPlaces {
+  LitheIndex n;
+  double *at;           ///< at rest [m]                                (n x 3)
+  LitheIndex *cell_off; ///< (n + 1) into cell; each place has one at least
+  LitheIndex *cell;
+} LthPlaces;
+
+void lth_places_destroy(LitheCtx *ctx, LthPlaces **places);
 
 typedef struct LthLoad {
   LthLoadKind kind;
-  const LthPatches *patches; ///< borrowed for life; NULL for body forces
+  const LthPatches *patches; ///< borrowed for life; NULL for body and point forces
+  const LthPlaces *places;   ///< borrowed for life; of point forces only
   LthValue value[3];
   LthValue stress[9];
   bool follower;       ///< pressure that turns and stretches with the surface
@@ -79,7 +91,7 @@ typedef struct LthDiscTable {
   void (*apply_mass)(const LthDisc *disc, const double *v, double *y);
   void (*mass_diagonal)(const LthDisc *disc, double *mass);
 
-  /// f += forces at time t; x is read for followers only. [N]
+  /// f += forces at time t, of all kinds but point forces; x is read for followers only. [N]
   LitheStatus (*add_load)(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
                           const double *x, double *f);
   void (*add_gravity)(const LthDisc *disc, const double gravity[3], double *f);
@@ -106,6 +118,11 @@ struct LthDisc {
 };
 
 void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc);
+
+/// f += forces of a load of any kind at time t; x is read for followers only. [N] A point force is shared evenly
+/// by the cells that touch its place: on a node of conforming elements it acts on that node alone.
+LitheStatus lth_disc_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
+                              const double *x, double *f);
 
 /// Value and gradient (d value_a / d x_b, row-major) of a vector field at a place of a cell.
 void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],

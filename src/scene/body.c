@@ -92,6 +92,9 @@ LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, const LthScene
 static void free_patches(LitheCtx *ctx, LthBody *b) {
   for (LitheCount i = 0; i < b->n_patches; i++) lth_patches_destroy(ctx, b->patches + i);
   lth_free(ctx, b->patches);
+  for (LitheIndex i = 0; b->places && i < b->def->n_loads; i++)
+    lth_places_destroy(ctx, b->places + i);
+  lth_free(ctx, b->places);
 }
 
 void lth_body_destroy(LitheCtx *ctx, LthBody **body) {

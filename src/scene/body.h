@@ -37,6 +37,7 @@ typedef struct LthBody {
   LthLoad *loads;      ///< parts of the scene's that differ in what is held
   LitheIndex n_loads;
   LitheCount cap_loads;
+  LthPlaces **places; ///< of point forces, NULL for other loads          (def->n_loads)
 
   LthDgOperator *op;
   LthDisc *disc; ///< what all the rest sees of space and operator
@@ -109,6 +110,10 @@ bool lth_is_strong(const LthSceneConstraint *constraint);
 
 /// Take over patches, which live as long as the body; they are freed where that fails.
 LitheStatus lth_body_own_patches(LitheCtx *ctx, LthBody *body, LthPatches *patches);
+
+/// The nodes that a point force acts on; none is an error.
+LitheStatus lth_build_places(LitheCtx *ctx, const LthBody *body, const LthSceneLoad *load,
+                             LthPlaces **places);
 
 /// The patches that `where` selects; none is an error that names `place` and the body's box.
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,

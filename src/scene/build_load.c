@@ -1,4 +1,4 @@
-/// Loads of a scene -> loads on boundary patches and in the volume.
+/// Loads of a scene -> loads on boundary patches, at nodes and in the volume.
 #include "scene/boundary_parts.h"
 
 #include <string.h>
@@ -69,12 +69,16 @@ LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
   LitheIndex *weak = NULL, n_weak = 0;
   LTH_NEW_OR(done, ctx, weak, def->n_constraints);
+  LTH_NEW_OR(done, ctx, body->places, def->n_loads);
   for (LitheIndex i = 0; i < def->n_constraints; i++)
     if (!lth_is_strong(def->constraints + i)) weak[n_weak++] = i;
   for (LitheIndex i = 0; i < def->n_loads; i++) {
     const LthSceneLoad *from = def->loads + i;
     LthLoad load = load_from(from);
-    if (from->kind == LTH_LOAD_BODY_FORCE)
+    bool at_nodes = from->kind == LTH_LOAD_POINT_FORCE;
+    if (at_nodes) LITHE_TRY_OR(done, lth_build_places(ctx, body, from, body->places + i));
+    load.places = body->places[i];
+    if (at_nodes || from->kind == LTH_LOAD_BODY_FORCE)
       LITHE_TRY_OR(done, add_load(ctx, body, &load));
     else
       LITHE_TRY_OR(done, build_boundary(ctx, body, from, n_weak, weak));

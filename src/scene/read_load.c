@@ -71,10 +71,10 @@ static void check_load(LthReader *r, const LthNode *node, const LthSceneLoad *lo
 }
 
 static LitheStatus read_load(LthReader *r, const LthNode *node, LthSceneLoad *load) {
-  static const char *const kinds[] = {"traction", "total_force", "pressure", "stress",
-                                      "body_force"};
+  static const char *const kinds[] = {"traction", "total_force", "pressure",
+                                      "stress",   "body_force",  "point_force"};
   load->place = lth_report_place(r->report, node);
-  for (int kind = 0; kind < 5; kind++)
+  for (int kind = 0; kind < 6; kind++)
     if (lth_node_find(node, kinds[kind])) load->kind = (LthLoadKind)kind;
   const char *key = kinds[load->kind];
   if (load->kind == LTH_LOAD_PRESSURE)

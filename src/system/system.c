@@ -19,8 +19,8 @@ static LitheStatus add_loads(LitheCtx *ctx, const LthSystem *s, bool fixed, doub
     const LthSystemBody *body = s->bodies + b;
     for (LitheIndex i = 0; i < body->n_loads; i++)
       if (never_changes(&body->loads[i]) == fixed)
-        LITHE_TRY(body->disc->table->add_load(ctx, body->disc, &body->loads[i], t,
-                                              x + s->dof_first[b], f + s->dof_first[b]));
+        LITHE_TRY(lth_disc_add_load(ctx, body->disc, &body->loads[i], t, x + s->dof_first[b],
+                                    f + s->dof_first[b]));
   }
   return LITHE_OK;
 }

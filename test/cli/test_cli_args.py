@@ -2,7 +2,7 @@
 from cli import check, done, expect, run
 
 check("no_command_is_named", [], status=2,
-      err="lithe: a command is missing: run, check, mesh or info; 'lithe --help' says more\n")
+      err="lithe: a command is missing: run, check, mesh, convert or info; 'lithe --help' says more\n")
 check("unknown_command_gets_the_nearest", ["rum", "a.yaml"], status=2,
       err="lithe: unknown command 'rum'; did you mean 'run'?\n")
 check("unknown_option_gets_the_nearest", ["run", "a.yaml", "--theads", "2"], status=2,
@@ -14,6 +14,12 @@ check("missing_scene_is_named", ["run"], status=2,
       "       lithe run --resume DIR [options]\n")
 check("second_scene_is_refused", ["check", "a.yaml", "b.yaml"], status=2,
       err="lithe: check: one word too many: 'b.yaml'\nusage: lithe check SCENE [options]\n")
+check("convert_needs_a_deck", ["convert"], status=2,
+      err="lithe: convert: a deck file is missing\nusage: lithe convert DECK.inp SCENE.yaml [--step N]\n")
+check("convert_needs_a_scene", ["convert", "a.inp"], status=2,
+      err="lithe: convert: a scene file is missing\nusage: lithe convert DECK.inp SCENE.yaml [--step N]\n")
+check("steps_count_from_one", ["convert", "a.inp", "a.yaml", "--step", "0"], status=2,
+      err="lithe: --step: expected a number from 1 to 1000000, got '0'\n")
 check("missing_value_is_named", ["run", "a.yaml", "-o"], status=2,
       err="lithe: option '-o' needs a value: --out PATH\n")
 check("value_of_a_flag_is_refused", ["run", "a.yaml", "--json=yes"], status=2,
@@ -37,7 +43,7 @@ Options:
 """)
 got = run("--help")
 expect("help_names_every_command", got.returncode == 0 and
-       all("\n  %s " % c in got.stdout for c in ("run", "check", "mesh", "info")), got.stdout)
+       all("\n  %s " % c in got.stdout for c in ("run", "check", "mesh", "convert", "info")), got.stdout)
 got = run("info")
 expect("info_tells_version_engines_and_licence", got.returncode == 0 and got.stderr == "" and
        got.stdout.startswith("lithe       0.1.0\n") and "\nengines     cholesky, pcg\n" in got.stdout and

@@ -47,6 +47,16 @@ with folder() as d:
     strong = json.loads(run("run", "beam.yaml", "--json", "--set", "bodies.0.constraints.0.enforce=strong", "-o", "strong",
                             cwd=d).stdout)["reaction"]["bodies.0.constraints.0"]
     expect("a_strong_constraint_carries_the_weight", abs(strong[1] - 40) < 1e-6 * 40 and abs(strong[0]) < 1e-5, strong)
+    pulled = json.loads(run("run", "beam.yaml", "--json", "--set", "gravity=[0, 0, 0]", "-o", "pulled", "--set",
+                            "bodies.0.loads=[{where: {box: {min: [1, -1, -1], max: [2, 1, 0]}}, point_force: [0, 0, -3]}]",
+                            cwd=d).stdout)
+    reaction = pulled["reaction"]["bodies.0.constraints.0"]
+    expect("a_point_force_acts_on_every_node", abs(reaction[2] - 6) < 1e-6 * 6, reaction)
+    check("a_point_force_without_nodes_is_named", ["run", "beam.yaml", "--quiet", "--set",
+          "bodies.0.loads=[{where: {normal: [1, 0, 0]}, point_force: [0, 0, -3]}]"], cwd=d, status=2, err=(
+              "lithe: --set bodies.0.loads=[{where: {normal: [1, 0, 0]}, point_force: [0, 0, -3]}]: "
+              "bodies.0.loads.0.where: selects no node of the mesh; the body reaches from "
+              "(0, 0, 0) to (1, 0.2, 0.2), and shapes, planes and labels select nodes\n"))
     files = set(os.listdir(os.path.join(d, "result")))
     expect("a_static_run_writes_one_state", files == {"result.json", "history.csv", "probes.csv",
                                                       "fields.pvd", "fields_0000.vtu"}, files)

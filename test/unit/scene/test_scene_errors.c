@@ -185,7 +185,7 @@ static void wants_exactly_one_of_several_keys(void **state) {
       "bodies.0.loads=[{where: all}]",
       "--set bodies.0.loads=[{where: all}]: bodies.0.loads.0: incomplete, got none of the "
       "keys it needs; expected exactly one of traction, total_force, pressure, stress, "
-      "body_force");
+      "body_force, point_force");
   EXPECT_OVERRIDE_ERROR(
       "exact={displacement: [0, 0, 0], position: [x, y, z]}",
       "--set exact={displacement: [0, 0, 0], position: [x, y, z]}: exact.position: "
