@@ -18,21 +18,21 @@ typedef enum LthSamples {
 /// is the average (eq. 30) of the elements around sample i. The product of the two is W of eq. 32; kept
 /// apart they take a quarter to a tenth of its memory and time. Immutable but for the scratch of lth_embedding_apply().
 typedef struct LthEmbedding {
-  const LthMesh *mesh;     ///< borrowed for life
+  const LthMesh *mesh; ///< borrowed for life
   LitheIndex n_funcs, n_rows;
   const LitheIndex *row_func; ///< of the discretisation, borrowed for life      (n_rows + 1)
   LitheIndex n_points, n_samples;
-  double *rest;                ///< rest positions [m]                     (n_points x 3)
-  LitheCount *off;             ///< (n_points + 1)
-  LitheIndex *sample;          ///< ascending per point
-  double *weight;              ///< [-]
-  double *sample_point;        ///< [m]                                    (n_samples x 3)
-  LitheCount *sample_off;      ///< (n_samples + 1)
-  LitheIndex *sample_func;     ///< functions of the discretisation, ascending per sample
-  double *sample_weight;       ///< [-]
-  LitheCount *sample_row_off;  ///< (n_samples + 1)
-  LitheIndex *sample_row;      ///< block rows whose functions a sample reads, all of them, ascending
-  LitheIndex *cell;            ///< cell that holds (or is nearest to) the point (n_points)
+  double *rest;               ///< rest positions [m]                     (n_points x 3)
+  LitheCount *off;            ///< (n_points + 1)
+  LitheIndex *sample;         ///< ascending per point
+  double *weight;             ///< [-]
+  double *sample_point;       ///< [m]                                    (n_samples x 3)
+  LitheCount *sample_off;     ///< (n_samples + 1)
+  LitheIndex *sample_func;    ///< functions of the discretisation, ascending per sample
+  double *sample_weight;      ///< [-]
+  LitheCount *sample_row_off; ///< (n_samples + 1)
+  LitheIndex *sample_row;     ///< block rows whose functions a sample reads, all of them, ascending
+  LitheIndex *cell;           ///< cell that holds (or is nearest to) the point (n_points)
   double *area;         ///< share of the surface's area of each point [m^2], or NULL (n_points)
   double *sample_value; ///< scratch of lth_embedding_apply()       (n_samples x 4)
   LitheIndex n_own;     ///< points that follow their element's own polynomial for want of samples
@@ -47,10 +47,16 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
                                  LthEmbedding **embedding);
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
+/// Embed points in a continuous discretisation: they follow the functions of their cell, in the notation
+/// above with one sample for every function.
+LitheStatus lth_embedding_create_direct(LitheCtx *ctx, const LthDisc *disc, LitheIndex n,
+                                        const double *points, const LitheIndex *point_cell,
+                                        LthEmbedding **embedding);
+
 /// Embed the coarse nodes of the boundary, points of the mesh on two or three grid planes, each with its
 /// share of the boundary's area. The points of `surface` (with areas; NULL: none) follow behind; each kind
-/// then stands for half of the area.
-LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
+/// then stands for half of the area. `space`: of a dg body; NULL: the points follow `disc` directly.
+LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDisc *disc, const LthDgSpace *space,
                                        const LthEmbedding *surface, LthEmbedding **embedding);
 
 /// Share the rest area of polygons of embedded points evenly among the points of each: what contact

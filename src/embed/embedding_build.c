@@ -34,8 +34,8 @@ static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
   } else if (job->point_sample[p] >= 0) {
     LITHE_TRY(lth_row_add(job->ctx, row, job->point_sample[p], 1));
   } else {
-    LITHE_TRY(lth_mean_value_weights(job->ctx, job->e->mesh, job->samples, x,
-                                     job->e->cell[p], row));
+    LITHE_TRY(
+        lth_mean_value_weights(job->ctx, job->e->mesh, job->samples, x, job->e->cell[p], row));
   }
   lth_row_sort(row);
   job->e->off[p + 1] = row->n;
@@ -149,7 +149,7 @@ static LitheStatus make_averages(LitheCtx *ctx, const LthDgSpace *space, const L
   return LITHE_OK;
 }
 
-static LitheStatus find_cells(LitheCtx *ctx, LthEmbedding *e, const LitheIndex *point_cell) {
+LitheStatus lth_embedding_find_cells(LitheCtx *ctx, LthEmbedding *e, const LitheIndex *point_cell) {
   LthCellSearch *search = NULL;
   LitheStatus status = LITHE_OK;
   LTH_NEW(ctx, e->cell, e->n_points);
@@ -261,7 +261,7 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
   LTH_NEW_OR(done, ctx, e->rest, 3 * (LitheCount)n);
   LTH_NEW_OR(done, ctx, e->off, (LitheCount)n + 1);
   memcpy(e->rest, points, sizeof *points * 3 * (size_t)n);
-  LITHE_TRY_OR(done, find_cells(ctx, e, point_cell));
+  LITHE_TRY_OR(done, lth_embedding_find_cells(ctx, e, point_cell));
   LITHE_TRY_OR(done, build(ctx, space, e, interpolation, samples));
 done:
   if (status != LITHE_OK) lth_embedding_destroy(ctx, &e);

@@ -62,10 +62,10 @@ static void add_surface(const LthEmbedding *surface, LitheIndex *n, double *poin
   *n += surface->n_points;
 }
 
-LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
+LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDisc *disc, const LthDgSpace *space,
                                        const LthEmbedding *surface, LthEmbedding **embedding) {
   LitheStatus status = LITHE_OK;
-  const LthMesh *mesh = space->mesh;
+  const LthMesh *mesh = disc->mesh;
   const LitheCount cap = mesh->n_points + (surface ? (LitheCount)surface->n_points : 0);
   LitheIndex n = 0, *cells = NULL;
   double *points = NULL, *area = NULL;
@@ -75,8 +75,10 @@ LitheStatus lth_embedding_create_nodes(LitheCtx *ctx, const LthDgSpace *space,
   LTH_NEW_OR(done, ctx, area, cap);
   LITHE_TRY_OR(done, collect_nodes(ctx, mesh, &n, points, cells, area));
   if (surface) add_surface(surface, &n, points, cells, area);
-  LITHE_TRY_OR(done, lth_embedding_create(ctx, space, n, points, cells, LTH_EMBED_MLS,
-                                          LTH_SAMPLE_NODES, embedding));
+  status = space ? lth_embedding_create(ctx, space, n, points, cells, LTH_EMBED_MLS,
+                                        LTH_SAMPLE_NODES, embedding)
+                 : lth_embedding_create_direct(ctx, disc, n, points, cells, embedding);
+  if (status != LITHE_OK) goto done;
   (*embedding)->area = area;
   area = NULL;
 done:

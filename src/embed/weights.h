@@ -52,6 +52,9 @@ LitheStatus lth_mean_value_weights(LitheCtx *ctx, const LthMesh *mesh, const Lth
 /// the moments taken with |w_i|. Does nothing where the samples do not span space.
 void lth_row_make_linear(const LthSampleSet *samples, const double x[3], LthWeightRow *row);
 
+/// Cell of every point of an embedding that has its rest places: as given, or searched where that is negative.
+LitheStatus lth_embedding_find_cells(LitheCtx *ctx, LthEmbedding *e, const LitheIndex *point_cell);
+
 /// Solution of S g = d by eigenvalues of the symmetric S, those below 1e-6 of the largest cut off. Returns
 /// the ratio of the largest to the smallest, INFINITY where one was cut.
 double lth_pseudo_solve(const double S[9], const double d[3], double g[3]);

@@ -16,15 +16,22 @@ static LitheStatus build_operator(LitheCtx *ctx, LthBody *body) {
 }
 
 LthSystemBody lth_body_as_part(const LthBody *body) {
-  return (LthSystemBody){.disc = body->disc,
-                         .damping_mass = body->damping_mass,
-                         .damping_stiffness = body->damping_stiffness,
-                         .loads = body->loads,
-                         .n_loads = body->n_loads,
-                         .held = body->strong ? lth_dg_strong_held(body->strong) : NULL,
-                         .prescribe = body->strong ? lth_dg_strong_prescribe : NULL,
-                         .prescribe_self = body->strong,
-                         .warped = body->warped};
+  LthSystemBody part = {.disc = body->disc,
+                        .damping_mass = body->damping_mass,
+                        .damping_stiffness = body->damping_stiffness,
+                        .loads = body->loads,
+                        .n_loads = body->n_loads,
+                        .warped = body->warped};
+  if (body->strong) {
+    part.held = lth_dg_strong_held(body->strong);
+    part.prescribe = lth_dg_strong_prescribe;
+    part.prescribe_self = body->strong;
+  } else if (body->held_nodes) {
+    part.held = lth_cg_strong_held(body->held_nodes);
+    part.prescribe = lth_cg_strong_prescribe;
+    part.prescribe_self = body->held_nodes;
+  }
+  return part;
 }
 
 const double *lth_body_displacement(const LthBody *body) {
@@ -47,6 +54,11 @@ static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
 }
 
 LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
+  if (body->def->method_kind == LTH_METHOD_CG) {
+    LITHE_TRY(lth_build_material(ctx, body));
+    LITHE_TRY(lth_build_nodes(ctx, body));
+    return lth_build_loads(ctx, body);
+  }
   LITHE_TRY(build_space(ctx, body));
   LITHE_TRY(lth_build_material(ctx, body));
   LITHE_TRY(lth_build_constraints(ctx, body));
@@ -111,6 +123,7 @@ void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   lth_dg_operator_destroy(ctx, &b->op);
   lth_free(ctx, b->loads);
   lth_dg_strong_destroy(ctx, &b->strong);
+  lth_cg_strong_destroy(ctx, &b->held_nodes);
   lth_free(ctx, b->weak);
   lth_free(ctx, b->weak_of);
   free_patches(ctx, b);
@@ -121,6 +134,8 @@ void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   lth_free(ctx, b->yield);
   lth_dg_space_destroy(ctx, &b->space);
   lth_mesh_destroy(ctx, &b->mesh);
+  if (b->elements != b->def->elements) lth_element_mesh_destroy(ctx, &b->elements);
+  lth_free(ctx, b->cell_element);
   lth_surface_destroy(ctx, &b->surface);
   lth_free(ctx, b);
   *body = NULL;

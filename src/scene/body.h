@@ -1,6 +1,7 @@
 /// A body as it is simulated: everything that is built from a scene's description of it.
 #pragma once
 
+#include "disc/cg/cg_strong.h"
 #include "disc/dg/dg_disc.h"
 #include "disc/dg/dg_strong.h"
 #include "scene/scene.h"
@@ -14,7 +15,9 @@ typedef struct LthBody {
   // shape -> mesh (build_mesh.c)
   LthSurface *surface; ///< closed surface in scene axes; NULL for plain boxes of cells
   LthMesh *mesh;
-  LthElementMesh *elements; ///< nodes and elements behind the mesh, of a file (then the scene's)
+  LthElementMesh
+      *elements; ///< nodes and elements behind the mesh: of a file (then the scene's), or of cg
+  LitheIndex *cell_element; ///< element of each cell where they are not the same, or NULL
   double box[6];            ///< of the mesh: min, max [m]
   double size;              ///< longest side of it [m]
 
@@ -33,8 +36,9 @@ typedef struct LthBody {
   LitheIndex *weak_of; ///< scene constraint behind each weak one          (n_weak)
   LitheIndex n_weak;
   LitheCount cap_weak, cap_weak_of;
-  LthDgStrong *strong; ///< NULL: none
-  LthLoad *loads;      ///< parts of the scene's that differ in what is held
+  LthDgStrong *strong;     ///< NULL: none
+  LthCgStrong *held_nodes; ///< of cg; NULL: none
+  LthLoad *loads;          ///< parts of the scene's that differ in what is held
   LitheIndex n_loads;
   LitheCount cap_loads;
   LthPlaces **places; ///< of point forces, NULL for other loads          (def->n_loads)
@@ -87,10 +91,18 @@ double lth_body_modulus(const LthBody *body);
 
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_slices(LitheCtx *ctx, LthBody *body, const LthGrid *grid, double sliver,
+                             LthMesh **mesh);
+LitheStatus lth_build_elements(LitheCtx *ctx, LthBody *body, const LthGrid *grid, bool tetrahedra,
+                               const uint8_t *keep);                               ///< of cg
+LitheStatus lth_build_voxels(LitheCtx *ctx, LthBody *body, const LthGrid *grid);   ///< of cg
+LitheStatus lth_build_covering(LitheCtx *ctx, LthBody *body, const LthGrid *grid); ///< of cg
 /// Degree of each element of the mesh (n_cells). LITHE_BAD_INPUT: out of range somewhere.
 LitheStatus lth_build_degrees(LitheCtx *ctx, const LthBody *body, uint8_t *degree);
 LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_build_weak(LitheCtx *ctx, LthBody *body, LitheIndex constraint); ///< a part of it
+LitheStatus lth_build_nodes(LitheCtx *ctx, LthBody *body); ///< constraints and discretisation of cg
 LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_embedding(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body);

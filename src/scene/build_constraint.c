@@ -105,7 +105,7 @@ static LitheStatus add_weak(LitheCtx *ctx, LthBody *body, LitheIndex i,
   return LITHE_OK;
 }
 
-static LitheStatus build_weak(LitheCtx *ctx, LthBody *body, LitheIndex i) {
+LitheStatus lth_build_weak(LitheCtx *ctx, LthBody *body, LitheIndex i) {
   LitheStatus status = LITHE_OK;
   const LthSceneBody *def = body->def;
   const LthSceneConstraint *c = def->constraints + i;
@@ -218,7 +218,7 @@ LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body) {
     if (lth_is_strong(body->def->constraints + i))
       any_strong = true;
     else
-      LITHE_TRY(build_weak(ctx, body, i));
+      LITHE_TRY(lth_build_weak(ctx, body, i));
   }
   return any_strong ? build_strong(ctx, body) : LITHE_OK;
 }

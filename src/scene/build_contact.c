@@ -27,14 +27,14 @@ static bool has_large_polygons(const LthBody *body) {
 static LitheStatus choose_points(LitheCtx *ctx, LthBody *body) {
   LthContactPoints points = body->scene->contact_points;
   if (points == LTH_POINTS_NODES || !body->embedding)
-    return lth_embedding_create_nodes(ctx, body->space, NULL, &body->nodes);
+    return lth_embedding_create_nodes(ctx, body->disc, body->space, NULL, &body->nodes);
   if (!has_large_polygons(body)) return LITHE_OK;
   if (points == LTH_POINTS_SURFACE) {
     lth_warn(ctx, "contact.points: the embedded surface has polygons larger than the elements, and "
                   "nothing touches between their points; `auto` adds the nodes");
     return LITHE_OK;
   }
-  return lth_embedding_create_nodes(ctx, body->space, body->embedding, &body->nodes);
+  return lth_embedding_create_nodes(ctx, body->disc, body->space, body->embedding, &body->nodes);
 }
 
 double lth_body_modulus(const LthBody *body) {

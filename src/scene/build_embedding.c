@@ -85,6 +85,9 @@ static void warn_of_far_points(LitheCtx *ctx, const LthBody *body) {
 
 LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, const double *points,
                              const LitheIndex *cells, LthEmbedding **embedding) {
+  // elements that fit together need no averages: points follow them directly
+  if (!body->space)
+    return lth_embedding_create_direct(ctx, body->disc, n, points, cells, embedding);
   return lth_embedding_create(ctx, body->space, n, points, cells, body->def->interpolation,
                               body->def->samples, embedding);
 }

@@ -66,12 +66,13 @@ static LitheStatus check_covers(LitheCtx *ctx, const LthBody *body, const LthGri
              grid->min[1], grid->min[2], grid->max[0], grid->max[1], grid->max[2]);
 }
 
-static LitheStatus build_slices(LitheCtx *ctx, LthBody *body, const LthGrid *grid) {
+LitheStatus lth_build_slices(LitheCtx *ctx, LthBody *body, const LthGrid *grid, double sliver,
+                             LthMesh **mesh) {
   const LthSceneBody *def = body->def;
   double resolution = def->shape_resolution > 0 ? def->shape_resolution : cell_edge(grid) / 4;
   LITHE_TRY(lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface));
   LITHE_TRY(check_covers(ctx, body, grid));
-  return lth_mesh_slice(ctx, body->surface, grid, def->sliver, &body->mesh);
+  return lth_mesh_slice(ctx, body->surface, grid, sliver, mesh);
 }
 
 static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid,
@@ -91,8 +92,11 @@ static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid
           "box: got %g to %g along %c where the box has %g to %g; or use `mesh: slice`",
           def->place, grid->min[a], grid->max[a], "xyz"[a], low, high);
   }
-  if (def->mesh_kind == LTH_MESH_HEXAHEDRA) return lth_mesh_hexahedra(ctx, grid, &body->mesh);
-  return lth_mesh_tetrahedra(ctx, grid, &body->mesh);
+  bool is_tetrahedra = def->mesh_kind == LTH_MESH_TETRAHEDRA;
+  if (def->method_kind == LTH_METHOD_CG)
+    LITHE_TRY(lth_build_elements(ctx, body, grid, is_tetrahedra, NULL));
+  if (is_tetrahedra) return lth_mesh_tetrahedra(ctx, grid, &body->mesh);
+  return lth_mesh_hexahedra(ctx, grid, &body->mesh);
 }
 
 static void measure_box(LthBody *body) {
@@ -122,10 +126,19 @@ LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
                "%s.shape: it is empty: its parts have no space in common; move or enlarge them",
                body->def->place);
   LITHE_TRY(lth_build_grid(ctx, body->def, min, max, &grid));
-  if (body->def->mesh_kind == LTH_MESH_SLICE)
-    LITHE_TRY(build_slices(ctx, body, &grid));
-  else
+  switch (body->def->mesh_kind) {
+  case LTH_MESH_SLICE:
+    LITHE_TRY(lth_build_slices(ctx, body, &grid, body->def->sliver, &body->mesh));
+    break;
+  case LTH_MESH_VOXELS:
+    LITHE_TRY(lth_build_voxels(ctx, body, &grid));
+    break;
+  case LTH_MESH_EMBEDDED:
+    LITHE_TRY(lth_build_covering(ctx, body, &grid));
+    break;
+  default:
     LITHE_TRY(build_boxes(ctx, body, &grid, min, max));
+  }
   measure_box(body);
   return LITHE_OK;
 }

@@ -15,6 +15,7 @@ static LitheStatus make_pattern(LitheCtx *ctx, const LthBody *body, LthBlockMatr
   const LthMesh *mesh = body->mesh;
   LitheIndex *func_off = NULL;
   uint8_t *degree = NULL;
+  if (body->def->method_kind == LTH_METHOD_CG) return lth_cg_pattern_create(ctx, body->elements, A);
   LTH_NEW_OR(done, ctx, func_off, (LitheCount)mesh->n_cells + 1);
   LTH_NEW_OR(done, ctx, degree, mesh->n_cells);
   LITHE_TRY_OR(done, lth_build_degrees(ctx, body, degree));

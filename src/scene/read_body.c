@@ -93,16 +93,17 @@ static LitheStatus read_body_elements(LthReader *r, const LthNode *method,
 
 static void check_box_mesh(LthReader *r, const LthNode *node, const LthSceneBody *body) {
   LthNode *mesh = lth_node_find(lth_node_find(node, "method"), "mesh");
-  if (!mesh || mesh->bad || body->mesh_kind == LTH_MESH_SLICE || body->mesh_kind == LTH_MESH_FILE)
-    return;
+  bool needs_box = body->mesh_kind == LTH_MESH_HEXAHEDRA || body->mesh_kind == LTH_MESH_TETRAHEDRA;
+  if (!mesh || mesh->bad || !needs_box) return;
   LthNode *shape = lth_node_find(node, "shape");
   if (body->shape.kind == LTH_SHAPE_BOX || !shape || shape->bad) return;
   bool is_turned = lth_node_find(shape, "box") != NULL;
-  lth_report(r->report, mesh, "%s, got %s; expected slice",
+  lth_report(r->report, mesh, "%s, got %s; expected %s",
              is_turned ? "it needs a box along the axes and "
                          "this one is rotated"
                        : "it needs a box and the shape is another",
-             lth_show(r->arena, mesh));
+             lth_show(r->arena, mesh),
+             body->method_kind == LTH_METHOD_CG ? "voxels or embedded" : "slice");
 }
 
 LitheStatus lth_read_embed(LthReader *r, const LthNode *node, const LthPlacement *place,

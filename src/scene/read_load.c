@@ -30,13 +30,23 @@ static void read_prescribed(LthReader *r, const LthNode *node, const char *key,
                "it holds nothing, got only null; expected at least one number or expression");
 }
 
-static LitheStatus read_constraint(LthReader *r, const LthNode *node, LthSceneConstraint *c) {
+/// What cg does where nothing is said: it holds nodes, but rollers in the mean, and all where elements reach
+/// beyond the body.
+static bool is_strong_unsaid(const LthNode *node, const LthSceneBody *body,
+                             const LthSceneConstraint *c) {
+  const LthNode *enforce = lth_node_find(node, "enforce");
+  return (!enforce || enforce->is_default) && body->method_kind == LTH_METHOD_CG &&
+         body->mesh_kind != LTH_MESH_EMBEDDED && !c->normal_only;
+}
+
+static LitheStatus read_constraint(LthReader *r, const LthNode *node, const LthSceneBody *body,
+                                   LthSceneConstraint *c) {
   static const char *const enforcements[] = {"weak", "strong", NULL};
   LITHE_TRY(copy_path(r, node, &c->path));
   c->place = lth_report_place(r->report, node);
   c->is_position = lth_node_find(node, "position") != NULL;
   read_prescribed(r, node, c->is_position ? "position" : "displacement", c);
-  c->strong = lth_read_word(node, "enforce", enforcements) == 1;
+  c->strong = lth_read_word(node, "enforce", enforcements) == 1 || is_strong_unsaid(node, body, c);
   c->interior = lth_read_flag(node, "interior");
   if (c->interior && c->normal_only)
     lth_report(r->report, lth_node_find(node, "interior"),
@@ -49,7 +59,7 @@ LitheStatus lth_read_constraints(LthReader *r, const LthNode *list, LthSceneBody
   if (!body->constraints)
     LITHE_FAIL(r->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
   for (const LthNode *node = list ? list->first : NULL; node; node = node->next)
-    LITHE_TRY(read_constraint(r, node, &body->constraints[body->n_constraints++]));
+    LITHE_TRY(read_constraint(r, node, body, &body->constraints[body->n_constraints++]));
   return LITHE_OK;
 }
 

@@ -69,10 +69,49 @@ static void check_resolution(LthReader *r, const LthNode *node) {
              node->n_children ? "none of the keys it needs" : "an empty mapping");
 }
 
+static bool is_given(const LthNode *map, const char *key) {
+  const LthNode *node = lth_node_find(map, key);
+  return node && !node->is_default && !node->bad;
+}
+
+/// A mesh that the other method has.
+static void check_mesh_of(LthReader *r, const LthNode *node, const LthSceneBody *body) {
+  LthNode *mesh = lth_node_find(node, "mesh");
+  bool is_cg = body->method_kind == LTH_METHOD_CG;
+  if (is_cg && body->mesh_kind == LTH_MESH_SLICE)
+    lth_report(r->report, mesh,
+               "slices are of dg, got %s; expected hexahedra, tetrahedra, voxels or embedded",
+               lth_show(r->arena, mesh));
+  if (!is_cg && (body->mesh_kind == LTH_MESH_VOXELS || body->mesh_kind == LTH_MESH_EMBEDDED))
+    lth_report(r->report, mesh,
+               "it is of `kind: cg`, got %s; expected slice, hexahedra or tetrahedra",
+               lth_show(r->arena, mesh));
+}
+
+/// What conforming elements take of the method.
+static void read_cg(LthReader *r, const LthNode *node, LthSceneBody *body) {
+  static const char *const elements[] = {"hex27", "hex20", "hex20r", NULL};
+  LthNode *degree = lth_node_find(node, "degree"), *element = lth_node_find(node, "element");
+  body->hexahedron = (LthHexahedron)lth_read_word(node, "element", elements);
+  if (body->mesh_kind != LTH_MESH_FILE && !is_given(node, "mesh"))
+    body->mesh_kind = body->shape.kind == LTH_SHAPE_BOX ? LTH_MESH_HEXAHEDRA : LTH_MESH_VOXELS;
+  if (is_given(node, "degree") && (body->degree < 1 || body->degree > 2))
+    lth_report(r->report, degree, "cg has elements of degree 1 and 2, got %s; expected 1 or 2",
+               lth_show(r->arena, degree));
+  bool has_hexahedra = body->mesh_kind != LTH_MESH_TETRAHEDRA && body->mesh_kind != LTH_MESH_FILE;
+  if (is_given(node, "element") && (body->degree != 2 || !has_hexahedra))
+    lth_report(r->report, element,
+               "it says which hexahedra of degree 2, got %s with %s; expected them, or no element",
+               lth_show(r->arena, element), has_hexahedra ? "another degree" : "another mesh");
+}
+
 void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
-  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra", NULL};
+  static const char *const kinds[] = {"dg", "cg", NULL};
+  static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
+                                       "voxels", "embedded",  NULL};
   static const char *const fluxes[] = {"ip", "bz", NULL};
   const LthNode *grid = lth_node_get(node, "grid");
+  body->method_kind = (LthMethodKind)lth_read_word(node, "kind", kinds);
   check_resolution(r, node);
   if (!lth_method_has_file(node))
     body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
@@ -85,6 +124,8 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   body->resolution.has_grid = grid != NULL;
   if (grid) read_grid(r, grid, &body->resolution.grid);
   read_penalty(lth_node_get(node, "penalty"), body);
+  if (body->mesh_kind != LTH_MESH_FILE && is_given(node, "mesh")) check_mesh_of(r, node, body);
+  if (body->method_kind == LTH_METHOD_CG) read_cg(r, node, body);
 }
 
 /// Why the mass of bodies counts in this scene; NULL where it does not.

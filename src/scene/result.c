@@ -28,12 +28,16 @@ static void put_degree(LthJson *json, const LthDisc *disc) {
 
 static void put_method(LthJson *json, const LthBody *body) {
   const LthSceneBody *def = body->def;
-  static const char *const meshes[] = {"slice", "hexahedra", "tetrahedra", "file"};
+  static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
+                                       "voxels", "embedded",  "file"};
   lth_json_begin_object(json, "method");
-  lth_json_string(json, "kind", "dg");
+  lth_json_string(json, "kind", body->disc->table->name);
   lth_json_string(json, "mesh", meshes[def->mesh_kind]);
   put_degree(json, body->disc);
-  lth_json_string(json, "flux", def->flux == LTH_FLUX_IP ? "ip" : "bz");
+  if (def->method_kind == LTH_METHOD_CG)
+    lth_json_string(json, "element", lth_element_shape(body->elements->kind[0])->name);
+  else
+    lth_json_string(json, "flux", def->flux == LTH_FLUX_IP ? "ip" : "bz");
   lth_json_end_object(json);
 }
 
@@ -80,7 +84,8 @@ static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
   lth_json_begin_object(json, NULL);
   lth_json_string(json, "name", body->def->name);
   put_method(json, body);
-  lth_json_integer(json, "elements", body->mesh->n_cells);
+  lth_json_integer(json, "elements",
+                   body->cell_element ? body->elements->n_elements : body->mesh->n_cells);
   lth_json_integer(json, "dofs", body->disc->n_dofs);
   lth_json_integer(json, "nonzeros",
                    count_nonzeros(K, body->first, body->first + body->disc->n_dofs));
@@ -127,6 +132,8 @@ static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, const doub
   for (LitheIndex k = 0; k < body->n_weak; k++)
     lth_v3_axpy(1, weak + 3 * (LitheCount)k, reaction + 3 * (LitheCount)body->weak_of[k]);
   if (body->strong) lth_dg_strong_add_reactions(body->strong, imbalance + body->first, reaction);
+  if (body->held_nodes)
+    lth_cg_strong_add_reactions(body->held_nodes, imbalance + body->first, reaction);
   lth_free(ctx, weak);
   return LITHE_OK;
 }

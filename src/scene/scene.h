@@ -11,12 +11,23 @@
 #include "mesh/selection.h"
 #include "step/simulation.h"
 
+typedef enum LthMethodKind { LTH_METHOD_DG, LTH_METHOD_CG } LthMethodKind;
+
 typedef enum LthMeshKind {
   LTH_MESH_SLICE,
   LTH_MESH_HEXAHEDRA,
   LTH_MESH_TETRAHEDRA,
+  LTH_MESH_VOXELS,   ///< of cg: grid cells at least half full
+  LTH_MESH_EMBEDDED, ///< of cg: all grid cells that the body touches, weighted by what it fills
   LTH_MESH_FILE
 } LthMeshKind;
+
+/// Hexahedra of degree 2.
+typedef enum LthHexahedron {
+  LTH_HEXAHEDRON_27,
+  LTH_HEXAHEDRON_20,
+  LTH_HEXAHEDRON_20R
+} LthHexahedron;
 
 /// How a body's resolution is given; exactly one of the three.
 typedef struct LthResolution {
@@ -59,11 +70,13 @@ typedef struct LthSceneBody {
   double shape_resolution;  ///< [m], 0: a quarter of a cell
   LthSceneMaterial *materials;
   LitheIndex n_materials;
+  LthMethodKind method_kind;
   LthMeshKind mesh_kind;
   bool has_shape;            ///< false: the mesh file is the shape
   LthElementMesh *elements;  ///< of a mesh file, placed; NULL otherwise
   const char *elements_file; ///< its path, for messages
   double elements_box[6];    ///< min, max [m]
+  LthHexahedron hexahedron;
   LthResolution resolution;
   int degree;         ///< of every element; 0: `degree_at`
   LthValue degree_at; ///< an expression of x, y, z, taken at centroids and rounded

@@ -21,7 +21,7 @@ typedef struct LthWorldPair {
 typedef struct LthWorld {
   const LthScene *scene;
   LitheIndex n_bodies;
-  LthBody **bodies; ///< in the scene's order                          (n_bodies)
+  LthBody **bodies;  ///< in the scene's order                          (n_bodies)
   LthWorldTie *ties; ///< in the scene's order
   LitheIndex n_ties;
   LthWorldPair *pairs; ///< none where bodies do not collide

@@ -147,16 +147,15 @@ static void mark_inside(const LthCgDisc *d, LitheIndex e, const LthFaceView *vie
   }
 }
 
-void lth_cg_patches_nodes(const LthDisc *disc, const LthPatches *patches, uint8_t *node) {
+void lth_cg_patch_nodes(const LthDisc *disc, const LthPatches *patches, LitheIndex i,
+                        uint8_t *node) {
   const LthCgDisc *d = lth_cg_of(disc);
-  for (LitheIndex i = 0; i < patches->n; i++) {
-    LitheIndex f = patches->face[i], e = lth_cg_element(d, disc->mesh->face_cell[2 * f]);
-    LthFaceView view = lth_patches_view(disc->mesh, patches, i);
-    if (d->cell_element)
-      for (int k = 0; k < lth_cg_kind(d, e)->n; k++) node[lth_cg_nodes(d, e)[k]] = 1;
-    else if (lth_cg_patch_is_whole(d, patches, i))
-      mark_whole(d, e, &d->face[f], node);
-    else
-      mark_inside(d, e, &view, node);
-  }
+  LitheIndex f = patches->face[i], e = lth_cg_element(d, disc->mesh->face_cell[2 * f]);
+  LthFaceView view = lth_patches_view(disc->mesh, patches, i);
+  if (d->cell_element)
+    for (int k = 0; k < lth_cg_kind(d, e)->n; k++) node[lth_cg_nodes(d, e)[k]] = 1;
+  else if (lth_cg_patch_is_whole(d, patches, i))
+    mark_whole(d, e, &d->face[f], node);
+  else
+    mark_inside(d, e, &view, node);
 }

@@ -19,7 +19,11 @@ typedef struct LthCgDef {
 /// Function i is node i of the elements, row i of the matrix too. Integrates all that does not change.
 LitheStatus lth_cg_disc_create(LitheCtx *ctx, const LthCgDef *def, LthDisc **disc);
 
-/// Mark (1) the nodes on patches: those of faces taken as a whole, and those of other faces that lie in the
-/// pieces. Where elements reach beyond the body: all nodes of the elements that the patches touch. Marks of
-/// others stay. `node` (n_funcs).
-void lth_cg_patches_nodes(const LthDisc *disc, const LthPatches *patches, uint8_t *node);
+/// Mark (1) the nodes on piece i: those of a face taken as a whole, or those of the element that lie in the
+/// piece. Where elements reach beyond the body: all nodes of the element. Marks of others stay. (n_funcs)
+void lth_cg_patch_nodes(const LthDisc *disc, const LthPatches *patches, LitheIndex i,
+                        uint8_t *node);
+
+/// An empty matrix as a discretisation on these elements has it.
+LitheStatus lth_cg_pattern_create(LitheCtx *ctx, const LthElementMesh *elements,
+                                  LthBlockMatrix **K);

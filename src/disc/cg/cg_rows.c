@@ -125,14 +125,37 @@ LitheStatus lth_cg_build_rows(LitheCtx *ctx, LthCgDisc *d) {
   return sort_nodes(ctx, d);
 }
 
-LitheStatus lth_cg_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K) {
-  const LthCgDisc *d = lth_cg_of(disc);
+static LitheStatus create_matrix(LitheCtx *ctx, const LthCgDisc *d, LthBlockMatrix **K) {
   LitheStatus status = LITHE_OK;
+  LitheIndex n = d->elements->n_nodes;
   LitheCount *row_off = NULL;
-  LTH_NEW_OR(done, ctx, row_off, disc->n_rows + 1);
-  for (LitheIndex i = 0; i <= disc->n_rows; i++) row_off[i] = 3 * (LitheCount)i;
-  status = lth_block_matrix_create(ctx, disc->n_rows, row_off, d->block_off, d->block_col, K);
+  LTH_NEW_OR(done, ctx, row_off, n + 1);
+  for (LitheIndex i = 0; i <= n; i++) row_off[i] = 3 * (LitheCount)i;
+  status = lth_block_matrix_create(ctx, n, row_off, d->block_off, d->block_col, K);
 done:
   lth_free(ctx, row_off);
+  return status;
+}
+
+LitheStatus lth_cg_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K) {
+  return create_matrix(ctx, lth_cg_of(disc), K);
+}
+
+LitheStatus lth_cg_pattern_create(LitheCtx *ctx, const LthElementMesh *elements,
+                                  LthBlockMatrix **K) {
+  LthCgDisc d = {.elements = elements};
+  LitheStatus status = LITHE_OK;
+  *K = NULL;
+  for (LitheIndex e = 0; e < elements->n_elements; e++)
+    d.kind[elements->kind[e]].n = lth_element_shape(elements->kind[e])->n_nodes;
+  LITHE_TRY_OR(done, list_elements(ctx, &d));
+  LITHE_TRY_OR(done, make_pattern(ctx, &d));
+  LITHE_TRY_OR(done, create_matrix(ctx, &d, K));
+done:
+  lth_free(ctx, d.node_off);
+  lth_free(ctx, d.node_element);
+  lth_free(ctx, d.node_local);
+  lth_free(ctx, d.block_off);
+  lth_free(ctx, d.block_col);
   return status;
 }

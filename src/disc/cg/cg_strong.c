@@ -79,6 +79,7 @@ void lth_cg_strong_add_reactions(const LthCgStrong *strong, const double *imbala
                                  double *reaction) {
   for (LitheCount k = 0; k < strong->n; k++) {
     const HeldUnknown *held = &strong->list[k];
-    reaction[3 * (LitheCount)held->motion + held->unknown % 3] -= imbalance[held->unknown];
+    LitheIndex constraint = strong->motions[held->motion].constraint;
+    reaction[3 * (LitheCount)constraint + held->unknown % 3] -= imbalance[held->unknown];
   }
 }

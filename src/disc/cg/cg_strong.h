@@ -5,9 +5,10 @@
 
 /// How a node's components move.
 typedef struct LthCgMotion {
-  bool is_position;  ///< value is the deformed place, not the displacement
-  LthValue value[3]; ///< [m]
-  double factor[3];  ///< on values that are displacements: a roller's outward direction; else 1
+  LitheIndex constraint; ///< that its forces count for
+  bool is_position;      ///< value is the deformed place, not the displacement
+  LthValue value[3];     ///< [m]
+  double factor[3];      ///< on values that are displacements: a roller's outward direction; else 1
 } LthCgMotion;
 
 typedef struct LthCgStrong LthCgStrong;
@@ -27,6 +28,6 @@ const uint8_t *lth_cg_strong_held(const LthCgStrong *strong);
 LitheStatus lth_cg_strong_prescribe(const void *strong, double t, double *x);
 
 /// Forces of constraints on the held unknowns, from the imbalance (n_dofs) [N] without them: added to
-/// `reaction` by motion (n_motions x 3).
+/// `reaction` by constraint (x 3).
 void lth_cg_strong_add_reactions(const LthCgStrong *strong, const double *imbalance,
                                  double *reaction);

@@ -72,11 +72,10 @@ static void refuses_what_is_not_built_yet(void **state) {
                         "--set dimension=2: dimension: " UNBUILT "\"2\"; available: 3");
   EXPECT_OVERRIDE_ERROR("bodies.0.method.kind=staggered",
                         "--set bodies.0.method.kind=staggered: bodies.0.method.kind: " UNBUILT
-                        "\"staggered\"; available: dg");
-  EXPECT_OVERRIDE_ERROR(
-      "bodies.0.method.mesh=voxels",
-      "--set bodies.0.method.mesh=voxels: bodies.0.method.mesh: " UNBUILT
-      "\"voxels\"; available: slice, hexahedra or tetrahedra or a mapping with file, unit");
+                        "\"staggered\"; available: dg or cg");
+  EXPECT_OVERRIDE_ERROR("bodies.0.method.mesh=voxels",
+                        "--set bodies.0.method.mesh=voxels: bodies.0.method.mesh: it is of `kind: "
+                        "cg`, got \"voxels\"; expected slice, hexahedra or tetrahedra");
   EXPECT_OVERRIDE_ERROR("bodies.0.method.fractions=exact",
                         "--set bodies.0.method.fractions=exact: bodies.0.method.fractions: " UNBUILT
                         "\"exact\"; leave it out");
