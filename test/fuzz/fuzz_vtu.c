@@ -1,0 +1,6 @@
+/// Fuzz target: .vtu files.
+#include "fuzz_mesh.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+  return fuzz_mesh("vtu", data, size);
+}
