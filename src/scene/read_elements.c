@@ -29,7 +29,6 @@ LitheStatus lth_read_elements(LthReader *r, const LthNode *node, const LthPlacem
                               LthSceneBody *body) {
   const LthNode *file = lth_node_get(node, "file");
   const char *path = NULL;
-  body->mesh_kind = LTH_MESH_FILE;
   double unit = lth_read_unit(r, node);
   if (!file || !r->opens_files) return LITHE_OK;
   LITHE_TRY(lth_find_file(r, file, &path));

@@ -113,8 +113,8 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   const LthNode *grid = lth_node_get(node, "grid");
   body->method_kind = (LthMethodKind)lth_read_word(node, "kind", kinds);
   check_resolution(r, node);
-  if (!lth_method_has_file(node))
-    body->mesh_kind = (LthMeshKind)lth_read_word(node, "mesh", meshes);
+  body->mesh_kind =
+      lth_method_has_file(node) ? LTH_MESH_FILE : (LthMeshKind)lth_read_word(node, "mesh", meshes);
   body->flux = (LthFlux)lth_read_word(node, "flux", fluxes);
   body->degree_at = lth_read_value(node, "degree");
   body->degree = body->degree_at.eval ? 0 : lth_read_integer(node, "degree", 1);

@@ -74,6 +74,9 @@ with folder() as d:
                    body["bodies"][0]["elements"] == len(cells) and abs(body["bodies"][0]["volume"] - 1) < 1e-13,
                    body["bodies"][0])
 
+    body = result(d, "patch.yaml", "--set", "bodies.0.method.kind=cg")
+    expect("conforming_elements_are_exact_too", body["error"]["linf"] < 1e-9 * 0.04, body["error"])
+
     got = result(d, "pull.yaml")
     reaction = got["reaction"]["bodies.0.constraints.0"]
     # the pressure acts on the left part's share of the sides, whose edge on each is a polyline; not on the held floor
