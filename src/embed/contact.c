@@ -189,6 +189,7 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   c->penetration = 0, c->force = 0;
   for (LitheIndex i = 0; i < c->n_touch; i++)
     c->penetration = fmax(c->penetration, -c->touch[i].gap);
+  c->started = true;
   *n_active = c->n_active;
   return LITHE_OK;
 }

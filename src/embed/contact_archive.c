@@ -17,6 +17,7 @@ void lth_contact_archive(LthContact *c, LthArchive *a) {
   LTH_ARCHIVE(a, c->last_penetration);
   LTH_ARCHIVE(a, c->force);
   LTH_ARCHIVE(a, c->warned);
+  LTH_ARCHIVE(a, c->started);
   lth_archive_count(a, &n);
   if (a->status == LITHE_OK && a->is_reading) a->status = make_room(c, n);
   if (a->status != LITHE_OK) return;

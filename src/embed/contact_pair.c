@@ -24,12 +24,14 @@ typedef struct PairSide {
   LthBvh *bvh;
   LitheIndex *home; ///< of each point: its point of the surface, or -1 - triangle (n_points)
   Hit *hit;         ///< (n_points)
-  double box[6];
+  double *velocity; ///< (n_points x 3)
+  double mean[3], spread, box[6];
 } PairSide;
 
 typedef struct LthPair {
   PairSide side[2];
   bool is_near;
+  double depth; ///< points deeper than this are not sought [m]
 } LthPair;
 
 static void pair_destroy(LitheCtx *ctx, LthContact *c) {
@@ -40,6 +42,7 @@ static void pair_destroy(LitheCtx *ctx, LthContact *c) {
     lth_free(ctx, pair->side[s].surface.points);
     lth_free(ctx, pair->side[s].home);
     lth_free(ctx, pair->side[s].hit);
+    lth_free(ctx, pair->side[s].velocity);
   }
   lth_free(ctx, pair);
 }
@@ -68,6 +71,7 @@ static LitheStatus create_side(LitheCtx *ctx, const LthPairSide *def, PairSide *
   memcpy(s->surface.points, def->surface->points, sizeof(double) * n);
   LITHE_TRY(lth_bvh_create_surface(ctx, &s->surface, &s->bvh));
   LTH_NEW(ctx, s->hit, def->points->n_points);
+  LTH_NEW(ctx, s->velocity, 3 * (LitheCount)def->points->n_points);
   return find_homes(ctx, s);
 }
 
@@ -84,8 +88,28 @@ static double thickness(const double box[6]) {
   return fmin(box[3] - box[0], fmin(box[4] - box[1], box[5] - box[2]));
 }
 
-static double speed(const LthContact *c) {
-  return lth_contact_fastest(&c->side[0]) + lth_contact_fastest(&c->side[1]);
+/// Velocities of a body's points, and about their mean: what the other body sees come.
+static void measure_velocities(const LthContactSide *from, PairSide *s) {
+  const LthEmbedding *e = from->points;
+  double largest2 = 0;
+  memset(s->mean, 0, sizeof s->mean);
+  for (LitheIndex p = 0; p < e->n_points; p++) {
+    lth_embedding_from_samples(e, p, from->sample_value, s->velocity + 3 * (size_t)p);
+    lth_v3_add(s->mean, s->velocity + 3 * (size_t)p, s->mean);
+  }
+  lth_v3_scale(1.0 / e->n_points, s->mean);
+  for (LitheIndex p = 0; p < e->n_points; p++) {
+    double about[3];
+    lth_v3_sub(s->velocity + 3 * (size_t)p, s->mean, about);
+    largest2 = fmax(largest2, lth_v3_dot(about, about));
+  }
+  s->spread = sqrt(largest2);
+}
+
+/// The largest speed at which points of the two may come towards each other.
+static double speed(const LthPair *pair) {
+  return lth_v3_distance(pair->side[0].mean, pair->side[1].mean) + pair->side[0].spread +
+         pair->side[1].spread;
 }
 
 static double box_gap(const double a[6], const double b[6]) {
@@ -97,12 +121,22 @@ static double box_gap(const double a[6], const double b[6]) {
   return sqrt(d2);
 }
 
+/// How deep points may be: deeper than in the last step by what they went since. At the start, anywhere.
+static double depth_limit(const LthContact *c, const LthPair *pair, double reach) {
+  double thin = fmax(thickness(pair->side[0].box), thickness(pair->side[1].box));
+  return !c->started ? thin : fmin(thin, 2 * c->penetration + reach);
+}
+
 /// Move the surfaces to where the bodies are, if those are anywhere near each other.
 static void pair_begin(LthContact *c) {
   LthPair *pair = c->self;
-  double reach = REACH_STEPS * c->dt * speed(c) + REACH_CELLS * c->cell_size;
-  for (int s = 0; s < 2; s++) lth_contact_box(&c->side[s], pair->side[s].box);
+  for (int s = 0; s < 2; s++) {
+    lth_contact_box(&c->side[s], pair->side[s].box);
+    measure_velocities(&c->side[s], &pair->side[s]);
+  }
+  double reach = REACH_STEPS * c->dt * speed(pair) + REACH_CELLS * c->cell_size;
   pair->is_near = box_gap(pair->side[0].box, pair->side[1].box) <= reach;
+  pair->depth = depth_limit(c, pair, reach);
   if (!pair->is_near && c->n_touch == 0) return;
   for (int s = 0; s < 2; s++) {
     PairSide *side = &pair->side[s];
@@ -126,17 +160,17 @@ static bool faces(const void *self, LitheIndex tri) {
 
 /// What point x of one body meets on the other's surface. A point that is inside nearest to a face it cannot have
 /// come through is led back to one that it can.
-static void seek(const Seeker *seeker, const double x[3], double reach, Hit *hit) {
+static void seek(const Seeker *seeker, const double x[3], double reach, double depth, Hit *hit) {
   const LthBvh *bvh = seeker->bvh;
-  const double thin = thickness(bvh->box);
   LthBvhPoint closest;
   hit->tri = -1;
   if (lth_box_distance2(bvh->box, x) > reach * reach) return;
-  if (!lth_bvh_closest(bvh, x, fmax(reach, thin), NULL, NULL, &closest)) return;
+  if (!lth_bvh_closest(bvh, x, fmax(reach, depth), NULL, NULL, &closest)) return;
   hit->gap = lth_bvh_gap(bvh, x, &closest, hit->normal);
   if (hit->gap > reach) return;
   if (!(lth_v3_dot(hit->normal, seeker->normal) < FACING)) {
-    if (hit->gap > 0 || !lth_bvh_closest(bvh, x, thin, faces, seeker, &closest)) return;
+    if (hit->gap > 0 || !lth_bvh_closest(bvh, x, thickness(bvh->box), faces, seeker, &closest))
+      return;
     hit->gap = -closest.distance;
     lth_v3_sub(closest.point, x, hit->normal);
     lth_v3_normalize(hit->normal);
@@ -146,19 +180,21 @@ static void seek(const Seeker *seeker, const double x[3], double reach, Hit *hit
   lth_v3_copy(closest.point, hit->point);
 }
 
-/// What all points of side s meet.
-static void find_hits(const LthContact *c, int s, double reach) {
+/// What all points of side s meet that is as near as they may go.
+static void find_hits(const LthContact *c, int s) {
   const LthPair *pair = c->self;
-  const PairSide *mine = &pair->side[s];
+  const PairSide *mine = &pair->side[s], *other = &pair->side[1 - s];
   const LthEmbedding *e = mine->def.points;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(c->ctx))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(lth_threads(c->ctx))
   for (LitheIndex p = 0; p < e->n_points; p++) {
     mine->hit[p].tri = -1;
     if (e->area && !(e->area[p] > 0)) continue;
     if (mine->def.excluded && mine->def.excluded[p]) continue;
-    Seeker seeker = {.bvh = pair->side[1 - s].bvh};
+    double way = lth_v3_distance(mine->velocity + 3 * (size_t)p, other->mean) + other->spread;
+    double reach = REACH_STEPS * c->dt * way + REACH_CELLS * c->cell_size;
+    Seeker seeker = {.bvh = other->bvh};
     own_normal(mine, p, seeker.normal);
-    seek(&seeker, c->side[s].position + 3 * (size_t)p, reach, &mine->hit[p]);
+    seek(&seeker, c->side[s].position + 3 * (size_t)p, reach, pair->depth, &mine->hit[p]);
   }
 }
 
@@ -261,10 +297,9 @@ static void warn_of_speed(LitheCtx *ctx, LthContact *c, double way) {
 static LitheStatus pair_find_near(LitheCtx *ctx, LthContact *c) {
   const LthPair *pair = c->self;
   if (!pair->is_near) return LITHE_OK;
-  double way = c->dt * speed(c), reach = REACH_STEPS * way + REACH_CELLS * c->cell_size;
-  warn_of_speed(ctx, c, way);
+  warn_of_speed(ctx, c, c->dt * speed(pair));
   for (int s = 0; s < 2; s++) {
-    find_hits(c, s, reach);
+    find_hits(c, s);
     LITHE_TRY(collect(ctx, c, s));
   }
   return LITHE_OK;

@@ -84,6 +84,7 @@ struct LthContact {
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start
   bool warned;   ///< that bodies are fast
+  bool started;  ///< some step has been looked at
 
   LthTouch *touch, *before; ///< of this step and of the last one, by side, other and point
   LitheCount touch_cap, before_cap;
