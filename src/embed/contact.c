@@ -52,6 +52,7 @@ LitheStatus lth_contact_create_sides(LitheCtx *ctx, int n_sides, const LthEmbedd
   c->n_sides = n_sides;
   for (int s = 0; s < n_sides; s++) LITHE_TRY_OR(done, lay_out_side(ctx, points[s], &c->side[s]));
   c->growth = 1;
+  c->weight = 1;
   c->is_auto = !(stiffness > 0);
   c->stiffness = stiffness;
 done:
@@ -201,3 +202,5 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
 }
 
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }
+
+void lth_contact_set_weight(LthContact *c, double weight) { c->weight = weight; }

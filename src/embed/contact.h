@@ -77,6 +77,10 @@ void lth_contact_place(LthContact *contact, int side, LitheCount first_dof, Lith
 LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *contact, double t, double dt,
                                const double *u, const double *v, LitheIndex *n_active);
 
+/// Forces of the next steps act over `weight` dt, 1 at first: a trapezoidal rule looks half a step ahead (dt) and
+/// lets the forces at its end act for all of it.
+void lth_contact_set_weight(LthContact *contact, double weight);
+
 /// The contact part of the system matrix acting on v1: y += W^T D W v, D of equation (4) of
 /// docs/theory/contact.md, symmetric and positive semi-definite.
 void lth_contact_apply(const LthContact *contact, const double *v, double *y);

@@ -80,6 +80,7 @@ struct LthContact {
   bool is_auto;
   double stiffness; ///< per area or per point
   double t, dt;
+  double weight; ///< time that forces act over dt; 1, or 2 where dt is half a step
   int round, friction_round;
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start

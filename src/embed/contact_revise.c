@@ -12,17 +12,17 @@ static void add_outer(double s, const double a[3], double D[9]) {
 }
 
 void lth_touch_linearize(const LthContact *c, LthTouch *touch) {
-  const double dt = c->dt, k = touch->stiffness, damping = c->damping * k;
+  const double dt = c->dt, acts = c->weight * dt, k = touch->stiffness, damping = c->damping * k;
   const double *n = touch->normal;
   memset(touch->D, 0, sizeof touch->D);
   memset(touch->r, 0, sizeof touch->r);
-  add_outer(dt * (dt * k + damping), n, touch->D);
-  lth_v3_axpy(dt * (damping * lth_v3_dot(n, touch->velocity) - k * touch->gap), n, touch->r);
+  add_outer(acts * (dt * k + damping), n, touch->D);
+  lth_v3_axpy(acts * (damping * lth_v3_dot(n, touch->velocity) - k * touch->gap), n, touch->r);
   if (!(c->friction > 0)) return;
 
-  for (int i = 0; i < 3; i++) touch->D[4 * i] += dt * dt * touch->spring;
-  add_outer(-dt * dt * touch->spring, n, touch->D);
-  lth_v3_axpy(-dt * touch->spring, touch->offset, touch->r);
+  for (int i = 0; i < 3; i++) touch->D[4 * i] += acts * dt * touch->spring;
+  add_outer(-acts * dt * touch->spring, n, touch->D);
+  lth_v3_axpy(-acts * touch->spring, touch->offset, touch->r);
 }
 
 void lth_touch_stretch(const LthContact *c, LthTouch *touch, const double v[3]) {

@@ -8,10 +8,11 @@
 /// What every integrator solves in a step: v1 of M v1 = M v_hat + H F(x_hat + H v1, v1), where x1 = x_hat + H v1.
 typedef struct LthStage {
   double H, t1;
-  bool iterates; // rotations follow the solution; else they are those of x_hat
+  double contact_weight; // contact's forces act over this times H
+  bool iterates;         // rotations follow the solution; else they are those of x_hat
   bool is_second_order;
   double *x_hat, *v_hat; // (n); all of them NULL before the first dynamic step
-  double *p;             // M v_hat
+  double *p;             // M v_hat, or more: what the stage starts with
   double *v_last;        // iterate before
   double *x_start;       // position at the start of the step ...
   double *f_start;       // ... and the external force there, where the integrator asks for it
@@ -19,8 +20,8 @@ typedef struct LthStage {
   // from the step before
   bool has_old;
   double h_old;
-  double *x_old,
-      *v_old; // bdf2: position and velocity a step earlier; newmark: v_old is the acceleration
+  double *x_old, *v_old; // bdf2: position and velocity a step earlier
+  double *f_old;         // newmark: all forces but contact's at its end [N]
 } LthStage;
 
 /// Bodies that nothing holds, known from the first step on.
@@ -125,8 +126,8 @@ void lth_step_tally(LthSimulation *s);
 /// unless it stands.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
-/// Contact of all bodies in the step t -> t + dt: how many points are active at first.
-LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, double t, double dt,
+/// Contact of all bodies in the step t -> t + dt, forces acting over weight dt: how many points are active at first.
+LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, double t, double dt, double weight,
                             LitheIndex *n_active);
 
 /// Contact's part of the system: y += C x, rhs += its forces, and the diagonal blocks of C (n_extra).
@@ -141,6 +142,9 @@ void lth_step_contact_report(LthSimulation *s);
 /// |rhs - (A + C) solution| over free unknowns with base, driven, A and contact as they stand, and |rhs|. Held
 /// unknowns of the solution become `driven`.
 void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double *scale);
+
+/// y = base - A solution over free unknowns, contact left out.
+void lth_step_defect(LitheCtx *ctx, LthSimulation *s, double *y);
 
 /// Keep the state at the start of a step; allocates at the first.
 LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s);

@@ -22,8 +22,13 @@ static void walk_stage(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE(a, g->h_old);
   if (!g->has_old || a->status != LITHE_OK || s->options.integrator < LTH_BDF2) return;
   if (a->is_reading) a->status = lth_stage_begin(a->ctx, s);
-  LTH_ARCHIVE_ARRAY(a, g->x_old, s->n);
-  LTH_ARCHIVE_ARRAY(a, g->v_old, s->n);
+  if (a->status != LITHE_OK) return;
+  if (s->options.integrator == LTH_NEWMARK) {
+    LTH_ARCHIVE_ARRAY(a, g->f_old, s->n);
+  } else {
+    LTH_ARCHIVE_ARRAY(a, g->x_old, s->n);
+    LTH_ARCHIVE_ARRAY(a, g->v_old, s->n);
+  }
 }
 
 static void walk_memory(const LthSystem *system, LthArchive *a) {

@@ -19,8 +19,8 @@
 static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
   LthStage *g = &s->stage;
   if (g->x_hat) return LITHE_OK;
-  double **vectors[] = {&g->x_hat,   &g->v_hat,   &g->p,     &g->v_last,
-                        &g->x_start, &g->f_start, &g->x_old, &g->v_old};
+  double **vectors[] = {&g->x_hat,   &g->v_hat, &g->p,     &g->v_last, &g->x_start,
+                        &g->f_start, &g->x_old, &g->v_old, &g->f_old};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
   return LITHE_OK;
 }
@@ -34,8 +34,8 @@ LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s) {
 }
 
 void lth_stage_free(LitheCtx *ctx, LthStage *g) {
-  double *vectors[] = {g->x_hat,   g->v_hat,   g->p,     g->v_last,
-                       g->x_start, g->f_start, g->x_old, g->v_old};
+  double *vectors[] = {g->x_hat,   g->v_hat, g->p,     g->v_last, g->x_start,
+                       g->f_start, g->x_old, g->v_old, g->f_old};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
 }
 
@@ -90,7 +90,7 @@ static LitheStatus detect(LitheCtx *ctx, LthSimulation *s) {
   const LthStage *g = &s->stage;
   LitheIndex n_active = 0;
   memcpy(s->x, g->x_hat, sizeof *s->x * (size_t)s->n);
-  return lth_step_detect(ctx, s, g->t1 - g->H, g->H, &n_active);
+  return lth_step_detect(ctx, s, g->t1 - g->H, g->H, g->contact_weight, &n_active);
 }
 
 /// s->x = x^ + H solution, linearized there, and how far the solution is from solving that.

@@ -39,7 +39,7 @@ static double stiffness_per_mass(const LthSimulation *s) {
 /// Contact at rest, as a step of length one that ends at t: its forces then come unscaled.
 static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, double t, double *f) {
   LitheIndex n_active = 0;
-  LITHE_TRY(lth_step_detect(ctx, s, t - 1, 1, &n_active));
+  LITHE_TRY(lth_step_detect(ctx, s, t - 1, 1, 1, &n_active));
   if (n_active > 0) lth_step_contact_rhs(s, f);
   return LITHE_OK;
 }

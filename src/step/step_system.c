@@ -53,10 +53,14 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
   lth_system_hold(ctx, s->system, s->A);
 }
 
-static void apply_system(const void *self, int threads, const double *x, double *y) {
-  const LthSimulation *s = self;
+static void apply_bodies(const LthSimulation *s, int threads, const double *x, double *y) {
   lth_block_matrix_apply(s->A, threads, x, y);
   if (s->rigid.H > 0) lth_rigid_spare(s, -s->rigid.H, x, y);
+}
+
+static void apply_system(const void *self, int threads, const double *x, double *y) {
+  const LthSimulation *s = self;
+  apply_bodies(s, threads, x, y);
   if (!s->contact_on) return;
   lth_step_contact_apply(s, x, y);
   lth_system_zero_held(s->system, y);
@@ -99,6 +103,13 @@ void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double
   apply_system(s, lth_threads(ctx), s->solution, r);
   for (LitheCount i = 0; i < s->n; i++) r[i] = s->rhs[i] - r[i];
   *residual = lth_step_norm(ctx, s->n, r);
+  for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
+}
+
+void lth_step_defect(LitheCtx *ctx, LthSimulation *s, double *y) {
+  if (s->system->has_held) lth_system_zero_held(s->system, s->solution);
+  apply_bodies(s, lth_threads(ctx), s->solution, y);
+  for (LitheCount i = 0; i < s->n; i++) y[i] = s->base[i] - y[i];
   for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
 }
 
