@@ -121,7 +121,7 @@ static inline void test_transform(TestSolid *s, const double A[9], const double 
 }
 
 /// A rotation by `angle` about a (not unit) axis.
-static inline void test_rotation(const double axis[3], double angle, double R[9]) {
+static inline void test_axis_rotation(const double axis[3], double angle, double R[9]) {
   double n[3] = {axis[0], axis[1], axis[2]};
   lth_v3_normalize(n);
   double c = cos(angle), s = sin(angle);

@@ -225,7 +225,7 @@ static void agrees_with_projected_faces(void **state) {
     if (shape == 0) random_star(&s, &seed);
     if (shape == 1) test_prism(&s, 4, ring_outer, 4, ring_hole, -0.5, 0.25);
     if (shape == 2) test_prism(&s, 6, ell, 0, NULL, -0.5, 1);
-    test_rotation((double[3]){2, -1, 3}, 0.4 + shape, R);
+    test_axis_rotation((double[3]){2, -1, 3}, 0.4 + shape, R);
     if (shape < 2) test_transform(&s, R, zero); // the last keeps planes through the origin
     test_moments(&s, 4, origin, unit, m);
     // normals are rounded to double here: each face is off by that, times its size and 2^5
@@ -258,7 +258,7 @@ static void turns_with_the_solid(void **state) {
     test_prism(&s, 4, ring_outer, 4, ring_hole, -0.5, 0.25);
     double m[10], r[10], R[9], axis[3], zero[3] = {0};
     for (int i = 0; i < 3; i++) axis[i] = test_random(&seed) - 0.5;
-    test_rotation(axis, 6 * test_random(&seed), R);
+    test_axis_rotation(axis, 6 * test_random(&seed), R);
     test_moments(&s, 2, origin, unit, m);
     test_transform(&s, R, zero);
     test_moments(&s, 2, origin, unit, r);
@@ -347,7 +347,7 @@ static void cells_and_faces_obey_the_divergence_theorem(void **state) {
   uint64_t seed = 5;
   TestSolid s;
   double R[9], zero[3] = {0}, m[MAX_MOMENTS];
-  test_rotation((double[3]){1, 2, -1}, 0.7, R);
+  test_axis_rotation((double[3]){1, 2, -1}, 0.7, R);
   for (int shape = 0; shape < 2; shape++) {
     if (shape == 0)
       test_prism(&s, 4, ring_outer, 4, ring_hole, -0.5, 0.25);

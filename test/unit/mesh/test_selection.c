@@ -157,7 +157,7 @@ static void complements_and_unions_add_up(void **state) {
     else
       test_prism(&s, 8, comb, 0, NULL, -0.5, 0.5);
     if (repeat % 3) {
-      test_rotation((double[3]){1, 2, repeat}, repeat, R);
+      test_axis_rotation((double[3]){1, 2, repeat}, repeat, R);
       test_transform(&s, R, zero);
     }
     LthMesh *mesh = test_one_cell(ctx, &s);
@@ -187,7 +187,7 @@ static void half_spaces_agree_with_the_divergence_theorem(void **state) {
     TestSolid s;
     double R[9], zero[3] = {0};
     test_prism(&s, 8, comb, 0, NULL, -0.5, 0.5);
-    test_rotation((double[3]){1, 1 + repeat, 2}, 0.3 * repeat, R);
+    test_axis_rotation((double[3]){1, 1 + repeat, 2}, 0.3 * repeat, R);
     test_transform(&s, R, zero);
     LthMesh *mesh = test_one_cell(ctx, &s);
     LthWhere above = plane(0, 0, test_random(&seed) - 0.5, 0, 0, 1);
@@ -343,7 +343,7 @@ static void quadrature_is_exact_on_divided_faces(void **state) {
   TestSolid s;
   double R[9], zero[3] = {0}, unit[3] = {1, 1, 1};
   test_prism(&s, 4, ring_outer, 4, ring_hole, -0.5, 0.5);
-  test_rotation((double[3]){1, 2, 0.5}, 1, R);
+  test_axis_rotation((double[3]){1, 2, 0.5}, 1, R);
   test_transform(&s, R, zero);
   LthMesh *mesh = test_one_cell(ctx, &s);
   LthWhere w = plane(0.1, 0, 0, 1, 0.4, 0.2);

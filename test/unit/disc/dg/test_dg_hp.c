@@ -1,6 +1,7 @@
 /// Degrees 1 to 4, mixed in one mesh: polynomials are reproduced, the matrix is definite, thin and stiff
 /// neighbours do not spoil it.
 #include "dg_body.h"
+#include "one_cell.h"
 #include "solids.h"
 
 #define MAX_TERMS 35
@@ -178,8 +179,9 @@ static void mixed_degrees_are_never_indefinite(void **state) {
   check_definite(TEST_HEXAHEDRA, 4, 0.3, 1e6);
 }
 
-/// Condition number of K after scaling by its diagonal blocks: from K x = e D x.
-static double block_condition(const TestBody *b) {
+/// Condition number of K after scaling by its diagonal blocks: from K x = e D x. `free`: the first six eigenvalues are
+/// rigid motions.
+static double block_condition(const TestBody *b, bool free) {
   LitheCount n = b->K->n;
   double *A = test_dense(b), *D = lth_alloc(b->ctx, n * n, sizeof *D),
          *w = lth_alloc(b->ctx, n, sizeof *w);
@@ -189,7 +191,7 @@ static double block_condition(const TestBody *b) {
         D[i * n + j] = A[i * n + j];
   assert_int_equal(LAPACKE_dsygv(LAPACK_ROW_MAJOR, 1, 'N', 'L', (int)n, A, (int)n, D, (int)n, w),
                    0);
-  double condition = w[n - 1] / w[0];
+  double condition = w[n - 1] / w[free ? 6 : 0];
   lth_free(b->ctx, A);
   lth_free(b->ctx, D);
   lth_free(b->ctx, w);
@@ -218,10 +220,107 @@ static void thin_elements_do_not_spoil_the_condition(void **state) {
     double condition[2];
     for (int thin = 0; thin < 2; thin++) {
       TestBody b = layered(thin ? 1e-3 : 0.5, k);
-      condition[thin] = block_condition(&b);
+      condition[thin] = block_condition(&b, false);
       test_body_free(&b);
     }
     CHECK_AT_MOST(condition[1], 2 * condition[0]);
+  }
+}
+
+/// Largest over smallest eigenvalue of K but for the six rigid motions, of a body that nothing holds.
+static double free_condition(TestBody b) {
+  test_assemble(&b, 0);
+  LitheCount n = b.K->n;
+  double *A = test_dense(&b), *w = lth_alloc(b.ctx, n, sizeof *w);
+  assert_int_equal(LAPACKE_dsyev(LAPACK_ROW_MAJOR, 'N', 'L', (int)n, A, (int)n, w), 0);
+  double condition = w[n - 1] / w[6];
+  lth_free(b.ctx, A);
+  lth_free(b.ctx, w);
+  test_body_free(&b);
+  return condition;
+}
+
+/// A tetrahedron, and in it one of its shape `scale` times as large with four elements around it.
+static LthMesh *nested_tetrahedra(LitheCtx *ctx, double scale) {
+  static const double corner[12] = {1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1};
+  static const int opposite[4][3] = {
+      {1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}; // ccw from outside
+  double points[24];
+  for (int i = 0; i < 24; i++) points[i] = (i < 12 ? 1 : scale) * corner[i % 12];
+  LitheIndex loop_off[15], face_loop_off[15], loop_point[48], face_cell[28], n = 0, f = 0;
+  for (int k = 0; k < 4; k++) // outer faces of elements 1 + k, then the inner element's
+    for (int inner = 0; inner < 2; inner++, f++) {
+      loop_off[f] = n;
+      for (int i = 0; i < 3; i++) loop_point[n++] = opposite[k][i] + 4 * inner;
+      face_cell[2 * f] = inner ? 0 : 1 + k, face_cell[2 * f + 1] = inner ? 1 + k : -1;
+    }
+  for (int a = 0; a < 4; a++)
+    for (int b = a + 1; b < 4;
+         b++, f++) { // between the elements that do not lie opposite a corner of the edge
+      int pair[2] = {-1, -1};
+      for (int k = 0; k < 4; k++)
+        if (k != a && k != b) pair[pair[0] >= 0] = k;
+      // out of the first: towards the corner that lies opposite to it
+      double u[3], v[3], normal[3], far[3];
+      lth_v3_sub(points + 3 * b, points + 3 * a, u);
+      lth_v3_sub(points + 12 + 3 * b, points + 3 * a, v);
+      lth_v3_cross(u, v, normal);
+      lth_v3_sub(points + 3 * pair[0], points + 3 * a, far);
+      const LitheIndex loop[4] = {a, b, 4 + b, 4 + a};
+      bool out = lth_v3_dot(normal, far) > 0;
+      loop_off[f] = n;
+      for (int i = 0; i < 4; i++) loop_point[n++] = loop[out ? i : 3 - i];
+      face_cell[2 * f] = 1 + pair[0], face_cell[2 * f + 1] = 1 + pair[1];
+    }
+  loop_off[f] = n;
+  for (int i = 0; i <= 14; i++) face_loop_off[i] = i;
+  LthMeshDef def = {.n_points = 8,
+                    .n_faces = 14,
+                    .n_cells = 5,
+                    .points = points,
+                    .face_loop_off = face_loop_off,
+                    .loop_off = loop_off,
+                    .loop_point = loop_point,
+                    .face_cell = face_cell,
+                    .cell_size = 1};
+  LthMesh *mesh = NULL;
+  CHECK_OK(ctx, lth_mesh_create(ctx, &def, &mesh));
+  return mesh;
+}
+
+/// Figure 11 of the paper, where the number grows to 1e7 for k = 1 and 1e12 for k = 2: volumes differ up to 1e6.
+static void small_elements_do_not_spoil_the_condition(void **state) {
+  (void)state;
+  static const double scale[3] = {0.3, 0.1, 0.01};
+  for (int k = 1; k <= 4; k++) {
+    double condition[3];
+    for (int i = 0; i < 3; i++) {
+      LitheCtx *ctx = test_ctx();
+      TestBody b = test_body_of(ctx, nested_tetrahedra(ctx, scale[i]), k);
+      test_assemble(&b, 0);
+      condition[i] = block_condition(&b, true);
+      test_body_free(&b);
+    }
+    for (int i = 1; i < 3; i++) CHECK_AT_MOST(condition[i], 1.2 * condition[0]);
+  }
+}
+
+/// Figure 12: two cubes of one element with a neck between them.
+static void thin_necks_do_not_spoil_the_condition(void **state) {
+  (void)state;
+  static const double neck[3] = {0.5, 1e-2, 1e-8};
+  for (int k = 1; k <= 4; k++) {
+    double condition[3];
+    for (int i = 0; i < 3; i++) {
+      double h = neck[i] / 2;
+      double dumbbell[24] = {-1.5, -0.5, -0.5, -0.5, -0.5, -h, 0.5,  -h, 0.5,  -0.5, 1.5,  -0.5,
+                             1.5,  0.5,  0.5,  0.5,  0.5,  h,  -0.5, h,  -0.5, 0.5,  -1.5, 0.5};
+      TestSolid solid;
+      test_prism(&solid, 12, dumbbell, 0, NULL, -0.5, 0.5);
+      LitheCtx *ctx = test_ctx();
+      condition[i] = free_condition(test_body_of(ctx, test_one_cell(ctx, &solid), k));
+    }
+    for (int i = 1; i < 3; i++) CHECK_AT_MOST(condition[i], 1.3 * condition[0]);
   }
 }
 
@@ -231,6 +330,8 @@ int main(void) {
       cmocka_unit_test(mixed_degrees_reproduce_polynomials_of_the_lowest),
       cmocka_unit_test(mixed_degrees_are_never_indefinite),
       cmocka_unit_test(thin_elements_do_not_spoil_the_condition),
+      cmocka_unit_test(small_elements_do_not_spoil_the_condition),
+      cmocka_unit_test(thin_necks_do_not_spoil_the_condition),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -63,7 +63,7 @@ static void ell_solid(TestSolid *s) {
 
 static void turn(TestSolid *s) {
   double R[9], zero[3] = {0};
-  test_rotation((double[3]){1, 2, 3}, 0.6, R);
+  test_axis_rotation((double[3]){1, 2, 3}, 0.6, R);
   test_transform(s, R, zero);
 }
 
