@@ -48,6 +48,7 @@ typedef struct LthWeakConstraint {
   bool normal_only;          ///< a roller: only the normal component, value[0]
   bool is_position;          ///< value is the deformed place, not the displacement
   LthValue value[3];         ///< [m]
+  bool moves;                ///< some value varies with time
 } LthWeakConstraint;
 
 typedef struct LthDisc LthDisc;

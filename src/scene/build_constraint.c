@@ -2,6 +2,7 @@
 #include "scene/boundary_parts.h"
 
 #include "base/tensor.h"
+#include "scene/expression.h"
 
 #include <math.h>
 #include <string.h>
@@ -88,11 +89,22 @@ static LitheStatus leave_free(LitheCtx *ctx, const LthBody *body, const LthScene
   return *any && meeting == ASKEW ? fail_askew(ctx, body, c, part->patches) : LITHE_OK;
 }
 
+/// Expressions know whether they use t; other callbacks may.
+static bool varies_with_time(const LthValue value[3]) {
+  for (int a = 0; a < 3; a++)
+    if (value[a].eval == lth_expression_eval ? lth_expression_uses(value[a].self) & LTH_USES_T
+                                             : value[a].eval != NULL)
+      return true;
+  return false;
+}
+
 static LitheStatus add_weak(LitheCtx *ctx, LthBody *body, LitheIndex i,
                             const LthBoundaryPart *part) {
   const LthSceneConstraint *c = body->def->constraints + i;
-  LthWeakConstraint weak = {
-      .patches = part->patches, .normal_only = c->normal_only, .is_position = c->is_position};
+  LthWeakConstraint weak = {.patches = part->patches,
+                            .normal_only = c->normal_only,
+                            .is_position = c->is_position,
+                            .moves = varies_with_time(c->value)};
   bool any;
   memcpy(weak.fixed, c->fixed, sizeof weak.fixed);
   memcpy(weak.value, c->value, sizeof weak.value);

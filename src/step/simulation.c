@@ -44,6 +44,7 @@ static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
     s->n_extra += m * m;
   }
   if (s->has_contact) LTH_NEW(ctx, s->extra, s->n_extra);
+  if (s->system->has_held) LTH_NEW(ctx, s->held_force, s->n);
   return LITHE_OK;
 }
 
@@ -84,10 +85,10 @@ done:
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   if (!sim || !*sim) return;
   LthSimulation *s = *sim;
-  double *vectors[] = {s->x_rest,   s->x,        s->v,       s->u,    s->f_ext,    s->f0,
-                       s->force,    s->base,     s->rhs,     s->best, s->solution, s->driven,
-                       s->scratch,  s->mass,     s->extra,   s->cm,   s->ck,       s->start,
-                       s->f_before, s->row_mass, s->factor_x};
+  double *vectors[] = {s->x_rest,  s->x,          s->v,        s->u,       s->f_ext,    s->f0,
+                       s->force,   s->base,       s->rhs,      s->best,    s->solution, s->driven,
+                       s->scratch, s->held_force, s->mass,     s->extra,   s->cm,       s->ck,
+                       s->start,   s->f_before,   s->row_mass, s->factor_x};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);
@@ -107,11 +108,6 @@ double lth_simulation_time(const LthSimulation *s) { return s->t; }
 void lth_simulation_set_time(LthSimulation *sim, double t) { sim->t = t; }
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *s) { return s->A; }
 const LthStepReport *lth_simulation_report(const LthSimulation *s) { return &s->report; }
-
-LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *s, const double **force) {
-  *force = s->force;
-  return lth_step_assemble(ctx, s, s->t, s->x);
-}
 
 const double *lth_simulation_displacement(LthSimulation *s) {
   for (LitheCount i = 0; i < s->n; i++) s->u[i] = s->x[i] - s->x_rest[i];

@@ -66,8 +66,8 @@ double lth_simulation_time(const LthSimulation *sim);
 void lth_simulation_set_time(LthSimulation *sim, double t);
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
-/// External less internal force at the present state, contact not among them: (n) [N], valid until the
-/// next call on `sim`. Overwrites the matrix.
+/// External less internal force at the present state, after a step less the forces of inertia and damping too,
+/// contact not among them: (n) [N], valid until the next call on `sim`. Overwrites the matrix.
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);
 
 /// One step of length dt by the integrator of the options. Implicit Euler:

@@ -85,6 +85,7 @@ struct LthSimulation {
   double *base, *rhs; // right-hand side without and with contact
   double *solution;   // of the linear system
   double *driven;     // prescribed values of held unknowns, zero elsewhere
+  double *held_force; // of constraints on held unknowns at the last state, NULL where none is held
   double *scratch;    // free between calls
 
   LthRigid rigid;
@@ -178,6 +179,16 @@ void lth_stage_balance(LthSimulation *s, double dt);
 
 /// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.
 LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static);
+
+/// Work since (t0, x0) of weak constraints that move, by the mean over both ends.
+double lth_work_of_weak(LthSimulation *s, double t0, const double *x0);
+
+/// Work on the way from x0 of those that hold unknowns, from s->force, their imbalance at s->x. `share`: weight of the
+/// forces at the start, 0.5 or 0.
+double lth_work_of_held(LthSimulation *s, const double *x0, double share);
+
+/// Both for the step that ends at s->t, into the report.
+LitheStatus lth_work_of_step(LitheCtx *ctx, LthSimulation *s, double t0, double share);
 
 /// |y|, the same bits for any number of threads.
 double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y);

@@ -86,6 +86,7 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   walk_memory(s->system, a);
   walk_choice(s, a);
   walk_factor(s, a);
+  if (s->held_force) LTH_ARCHIVE_ARRAY(a, s->held_force, s->n);
   LTH_ARCHIVE_ARRAY(a, s->f_ext, s->n); // the work of the next equilibrium begins with it
   walk_report(s, a);
 }

@@ -163,7 +163,9 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
   lth_stage_balance(s, dt);
   remember(ctx, s, dt);
   LITHE_TRY(move(s, dt));
+  double t0 = s->t;
   s->t = s->stage.t1;
+  LITHE_TRY(lth_work_of_step(ctx, s, t0, s->stage.is_second_order ? 0.5 : 0));
   lth_step_contact_report(s);
   return LITHE_OK;
 }

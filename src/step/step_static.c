@@ -149,11 +149,11 @@ static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
 }
 
 /// Work as if the loads had grown slowly from those of the last equilibrium.
-static void add_work(LthSimulation *s) {
+static void add_work(LthSimulation *s, double t0) {
   double work = 0;
   for (LitheCount i = 0; i < s->n; i++)
     work += 0.5 * (s->f_before[i] + s->f_ext[i]) * (s->x[i] - s->start[i]);
-  s->report.work += work;
+  s->report.work += work + lth_work_of_weak(s, t0, s->start) + lth_work_of_held(s, s->start, 0.5);
 }
 
 /// The accelerated fixed point from where the body is; where that fails damped from there, and then the
@@ -188,8 +188,9 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   s->report.converged = before && balanced;
   lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
+  double t0 = s->t;
   s->t = t;
-  add_work(s);
+  add_work(s, t0);
   if (s->has_contact) lth_step_contact_revise(s, s->v); // forces at rest: v is zero
   lth_step_contact_report(s);
   return LITHE_OK;

@@ -140,4 +140,95 @@ with folder() as d:
     expect("a_pressure_on_rollers_alone_is_refused", isinstance(told, str) and
            "selects only boundary that a constraint holds" in told, told)
 
+# forces that balance, scenes of all kinds: reactions + loads = inertia
+MOVING = """lithe: 1
+bodies:
+  - name: bar
+    shape: {box: {min: [0, 0, 0], max: [1, 0.2, 0.2]}}
+    material: {model: %s, young_modulus: 10 kPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [5, 1, 1], degree: %d}
+    constraints:
+      - {where: {normal: [-1, 0, 0]}, displacement: [0, 0, 0], enforce: %s}
+      - {where: {normal: [1, 0, 0]}, displacement: ["0.02*t", null, "0.1*t*t"], enforce: %s}
+    loads:
+      - {where: {normal: [0, 1, 0]}, traction: ["3*t", 0, "2*x"]}
+      - {where: {normal: [0, 0, 1]}, total_force: [0, 0.5, 0]}
+      - {where: {normal: [0, -1, 0]}, stress: [[1, "t", 0], ["t", 2, 0], [0, 0, 3]]}
+gravity: [0, -1, 0]
+time: %s
+solver: {linear: cholesky, tolerance: 1e-12, newton: {tolerance: 1e-10, iterations: 50}}
+output: {every: 0.125, fields: [none]}
+"""
+QUASI, DYNAMIC = "{kind: quasistatic, steps: 4, duration: 1}", "{kind: dynamic, step: 0.125, duration: %g, integrator: %s}"
+
+
+def force_at(t):
+    """Of all loads: traction and stress on 1 x 0.2 each, the force, the weight of 40 kg."""
+    # stress on n = -e_y: -(t, 2, 0)
+    return [0.2 * 3 * t - 0.2 * t, 0.5 - 0.2 * 2 - 40, 0.2 * 1]
+
+
+def inertia(directory, *args):
+    """Rate of the momentum over the last of eight steps, as implicit Euler sees it."""
+    def momentum(duration):
+        return result(directory, *args, "--set", "time.duration=%g" % duration)["momentum"]
+    return [(a - b) / 0.125 for a, b in zip(momentum(1), momentum(0.875))]
+
+
+with folder() as d:
+    for model in ("linear", "corotated"):
+        for enforce in ("weak", "strong"):
+            for degree in (1, 2, 3):
+                name = "%s_%s_degree_%d" % (model, enforce, degree)
+                write(d, MOVING % (model, degree, enforce, enforce, QUASI))
+                told = result(d)
+                held = [sum(r[a] for r in told["reaction"].values()) for a in range(3)] if isinstance(told, dict) else [9] * 3
+                # 40 N times the tolerance, and what rounding leaves of the stiffness times the length
+                expect("quasistatic_forces_balance_" + name, near([h + f for h, f in zip(held, force_at(1))], [0] * 3, 1e-6),
+                       (held, told if isinstance(told, str) else told["solver"]))
+                if model == "linear":
+                    gap = told["energy"]["work"] - told["energy"]["strain"]
+                    expect("work_is_the_strain_energy_" + name, told["energy"]["strain"] > 0.1 and
+                           abs(gap) < 1e-6 * told["energy"]["strain"], told["energy"])
+                if degree == 2 and model == "corotated":
+                    continue
+                integrator = "implicit-euler" if model == "linear" else "newton-euler"
+                write(d, MOVING % (model, degree, enforce, enforce, DYNAMIC % (1, integrator)))
+                told = result(d)
+                held = [sum(r[a] for r in told["reaction"].values()) for a in range(3)] if isinstance(told, dict) else [9] * 3
+                want = inertia(d)
+                expect("dynamic_forces_balance_" + name, max(abs(w) for w in want) > 1 and
+                       near([h + f for h, f in zip(held, force_at(1))], want, 1e-6), (held, force_at(1), want))
+
+    # a pressure that follows: the push on the end of a bar that is turned by a quarter turn turns with it
+    write(d, MOVING.replace("    loads:", "    loads:\n      - {where: {normal: [1, 0, 0]}, pressure: 5, follower: true}").
+          replace("displacement: [0, 0, 0], enforce: %s", "position: [\"-y\", \"x\", \"z\"], enforce: %s").
+          replace("      - {where: {normal: [1, 0, 0]}, displacement: [\"0.02*t\", null, \"0.1*t*t\"], enforce: %s}\n", "").
+          replace("    shape", "    initial: {displacement: [\"-y - x\", \"x - y\", 0]}\n    shape") % ("corotated", 1, "weak", QUASI))
+    told = result(d, "--set", "gravity=[0, 0, 0]", "--set", "bodies.0.loads.1.traction=[0, 0, 0]",
+                  "--set", "bodies.0.loads.2.total_force=[0, 0, 0]", "--set", "bodies.0.loads.3.stress=[[0,0,0],[0,0,0],[0,0,0]]")
+    held = told["reaction"]["bodies.0.constraints.0"] if isinstance(told, dict) else told
+    # 5 Pa on 0.04 m^2, shrunk by the pressure by 2 nu p / E at most
+    expect("a_following_pressure_turns", isinstance(told, dict) and near(held, [0, 0.2, 0], 2e-3) and abs(held[0]) < 1e-4, held)
+
+# a rim of many facets holds as a rim of few does: linear elements do not feel the facets
+RIM = """lithe: 1
+bodies:
+  - name: disk
+    shape: {cylinder: {from: [0, 0, 0], to: [0, 0, 0.5], radius: 1}, resolution: %s}
+    material: {model: linear, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
+    method: {kind: dg, cells: 4, degree: 1}
+    constraints:
+      - {where: {and: [{not: {normal: [0, 0, 1], within: 5 deg}}, {not: {normal: [0, 0, -1], within: 5 deg}}]}, displacement: [0, 0, 0]}
+gravity: [0, 0, -10]
+time: {kind: static}
+output: {every: last, fields: [none]}
+"""
+with folder() as d:
+    energies = []
+    for resolution in (0.1, 0.03):
+        write(d, RIM % resolution)
+        energies.append(result(d)["energy"]["strain"])
+    expect("facets_of_a_held_rim_add_no_stiffness", abs(energies[0] - energies[1]) < 0.01 * energies[0], energies)
+
 done()
