@@ -84,5 +84,5 @@ bool lth_xml_next(LthText *text, LthXmlTag *tag) {
 LthWord lth_xml_attribute(const LthXmlTag *tag, const char *key) {
   for (int i = 0; i < tag->n; i++)
     if (lth_word_is(tag->attribute[i].key, key)) return tag->attribute[i].value;
-  return (LthWord){NULL, 0};
+  return (LthWord){"", 0};
 }

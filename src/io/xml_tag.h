@@ -19,5 +19,5 @@ typedef struct LthXmlTag {
 /// The next tag; false at the end of the text. Comments, declarations and broken tags are passed over.
 bool lth_xml_next(LthText *text, LthXmlTag *tag);
 
-/// Value of an attribute; a word of length 0 (at NULL) where the tag does not have it.
+/// Value of an attribute; a word of length 0 where the tag does not have it.
 LthWord lth_xml_attribute(const LthXmlTag *tag, const char *key);
