@@ -42,6 +42,31 @@ output: {fields: [vtu], checkpoint: 0}
 """
 
 
+PILE = """lithe: 1
+bodies:
+  - name: lower
+    shape: {box: {min: [-0.1, 0.0005, -0.1], max: [0.1, 0.1, 0.1]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [2, 1, 2], degree: 1}
+  - name: left
+    shape: {box: {min: [-0.08, 0.101, -0.07], max: [0, 0.2, 0.08]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000, damping: {mass: 0.5}}
+    method: {kind: dg, mesh: hexahedra, cells: [1, 1, 1], degree: 2}
+  - name: right
+    shape: {box: {min: [0, 0.101, -0.07], max: [0.08, 0.2, 0.08]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [1, 1, 1], degree: 1}
+    initial: {velocity: [0.3, -0.3, 0]}
+tie: [{bodies: [left, right]}]
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0, 1, 0]}
+contact: {friction: 0.3}
+time: {kind: dynamic, duration: 0.12, step: 1/100}
+output: {every: 1/100, fields: [vtu], checkpoint: 0}
+"""
+
+
 def write(directory, name, text):
     with open(os.path.join(directory, name), "w") as file:
         file.write(text)
@@ -124,6 +149,7 @@ check_resumes("bend", BEND, [(3, signal.SIGKILL), (6, signal.SIGINT)])
 for kind in ("newton-euler", "bdf2", "newmark"):
     check_resumes("drop by " + kind, DROP.replace("duration: 0.3", "duration: 0.16"), [(7, signal.SIGKILL)],
                   ["time.integrator=" + kind])
+check_resumes("pile", PILE, [(6, signal.SIGKILL)])
 check_resumes("drop by pcg", DROP, [(6, signal.SIGKILL)], ["solver.linear=pcg"])
 
 
