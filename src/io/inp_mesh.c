@@ -12,7 +12,7 @@ static const struct {
   LthElementKind kind;
   bool reduced;
 } types[] = {
-    {"C3D4", LTH_TET4, false},     {"C3D5", LTH_PYRAMID5, false}, {"C3D6", LTH_WEDGE6, false},
+    {"C3D4", LTH_TET4, false},     {"C3D5", LTH_PYRAMID5, false}, {"C3D6", LTH_WEDGE6, true},
     {"C3D8", LTH_HEX8, false},     {"C3D8R", LTH_HEX8, true},     {"C3D8I", LTH_HEX8, false},
     {"C3D10", LTH_TET10, false},   {"C3D10T", LTH_TET10, false},  {"C3D10M", LTH_TET10, false},
     {"C3D15", LTH_WEDGE15, false}, {"C3D20", LTH_HEX20, false},   {"C3D20R", LTH_HEX20, true},

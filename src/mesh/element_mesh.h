@@ -55,7 +55,7 @@ typedef struct LthElementMesh {
   double *nodes;           ///< rest places [m]                             (n_nodes x 3)
   int64_t *node_id;        ///< number in the file, or NULL                 (n_nodes)
   uint8_t *kind;           ///< LthElementKind                              (n_elements)
-  uint8_t *reduced;        ///< 1: the reduced rule (C3D8R, C3D20R), or NULL (n_elements)
+  uint8_t *reduced;        ///< 1: the reduced rule (C3D6, C3D8R, C3D20R), or NULL (n_elements)
   LitheIndex *element_off; ///< (n_elements + 1) into element_node
   LitheIndex *element_node;
   int64_t *element_id;   ///< number in the file, or NULL                 (n_elements)

@@ -2,6 +2,7 @@
 #include "scene/body.h"
 
 #include "base/tensor.h"
+#include "mesh/node_selection.h"
 #include "mesh/where.h"
 
 #include <math.h>
@@ -19,12 +20,6 @@ static int axis_of(const double normal[3]) {
 
 static const double *piece_normal(const LthBody *body, const LthPatches *patches, LitheIndex i) {
   return body->mesh->face_normal + 3 * (LitheCount)patches->face[i];
-}
-
-/// The group of nodes that `where` names, or NULL.
-static const LthElementGroup *node_group(const LthBody *body, const LthWhere *where) {
-  if (where->kind != LTH_WHERE_LABEL) return NULL;
-  return lth_element_group(body->elements, LTH_GROUP_NODES, where->label);
 }
 
 static LitheStatus build_disc(LitheCtx *ctx, LthBody *body) {
@@ -129,15 +124,9 @@ static void set_motions(const LthSceneConstraint *c, LitheIndex i, LthCgMotion *
 
 static LitheStatus mark_nodes(Holding *h, const LthSceneConstraint *c) {
   const LthBody *body = h->body;
-  const LthElementGroup *group = node_group(body, &c->where);
-  if (c->normal_only && (c->interior || group))
-    LITHE_FAIL(h->ctx, LITHE_BAD_INPUT,
-               "%s: a roller has a surface to roll on; inside the body and on a set of nodes hold "
-               "components, as in `displacement: [null, 0, null]`",
-               c->place);
   if (c->interior) return mark_interior(h, &c->where);
-  for (LitheIndex k = 0; group && k < group->n; k++) h->node[group->member[k]] = 1;
-  if (group) return LITHE_OK;
+  if (lth_where_has_label(&c->where) && !c->normal_only && !body->cell_element)
+    return lth_select_nodes(h->ctx, body->mesh, body->elements, &c->where, h->node);
   LITHE_TRY(lth_build_patches(h->ctx, body, c->place, &c->where, &h->patches));
   for (LitheIndex k = 0; !c->normal_only && k < h->patches->n; k++)
     lth_cg_patch_nodes(body->disc, h->patches, k, h->node);

@@ -41,7 +41,7 @@ static LitheStatus pair_points(LitheCtx *ctx, const LthMesh *mesh, const uint8_t
   return LITHE_OK;
 }
 
-/// Cell k of a mesh from a file is element k of it.
+/// Cell k of a mesh is element k.
 static LitheStatus pair_elements(LitheCtx *ctx, const LthElementMesh *elements,
                                  const uint8_t *chosen, NodeCells *list) {
   for (LitheIndex e = 0; e < elements->n_elements; e++)
@@ -82,7 +82,8 @@ static LitheStatus none_chosen(LitheCtx *ctx, const LthBody *body, const LthScen
 
 LitheStatus lth_build_places(LitheCtx *ctx, const LthBody *body, const LthSceneLoad *load,
                              LthPlaces **places) {
-  const LthElementMesh *elements = body->elements;
+  // where cells are parts of elements, nodes are the corners of the cells
+  const LthElementMesh *elements = body->cell_element ? NULL : body->elements;
   LitheIndex n = elements ? elements->n_nodes : body->mesh->n_points;
   LitheStatus status = LITHE_OK;
   uint8_t *chosen = NULL;

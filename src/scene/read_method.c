@@ -93,12 +93,12 @@ static void read_cg(LthReader *r, const LthNode *node, LthSceneBody *body) {
   static const char *const elements[] = {"hex27", "hex20", "hex20r", NULL};
   LthNode *degree = lth_node_find(node, "degree"), *element = lth_node_find(node, "element");
   body->hexahedron = (LthHexahedron)lth_read_word(node, "element", elements);
-  if (body->mesh_kind != LTH_MESH_FILE && !is_given(node, "mesh"))
+  if (!lth_method_has_file(node) && !is_given(node, "mesh"))
     body->mesh_kind = body->shape.kind == LTH_SHAPE_BOX ? LTH_MESH_HEXAHEDRA : LTH_MESH_VOXELS;
   if (is_given(node, "degree") && (body->degree < 1 || body->degree > 2))
     lth_report(r->report, degree, "cg has elements of degree 1 and 2, got %s; expected 1 or 2",
                lth_show(r->arena, degree));
-  bool has_hexahedra = body->mesh_kind != LTH_MESH_TETRAHEDRA && body->mesh_kind != LTH_MESH_FILE;
+  bool has_hexahedra = body->mesh_kind != LTH_MESH_TETRAHEDRA && !lth_method_has_file(node);
   if (is_given(node, "element") && (body->degree != 2 || !has_hexahedra))
     lth_report(r->report, element,
                "it says which hexahedra of degree 2, got %s with %s; expected them, or no element",
@@ -124,7 +124,7 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   body->resolution.has_grid = grid != NULL;
   if (grid) read_grid(r, grid, &body->resolution.grid);
   read_penalty(lth_node_get(node, "penalty"), body);
-  if (body->mesh_kind != LTH_MESH_FILE && is_given(node, "mesh")) check_mesh_of(r, node, body);
+  if (!lth_method_has_file(node) && is_given(node, "mesh")) check_mesh_of(r, node, body);
   if (body->method_kind == LTH_METHOD_CG) read_cg(r, node, body);
 }
 

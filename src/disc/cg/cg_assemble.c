@@ -87,10 +87,9 @@ static void add_element(const LthCgDisc *d, LitheIndex e, int local, const LthBl
   LthCgTables t = lth_cg_tables(d, d->class_of[e]);
   element_rows(n, d->warped, t.stiffness + 9 * n * local, d->rotation + 9 * (LitheCount)e,
                d->lambda[e], d->mu[e], rows);
-  for (LitheIndex h = d->hold_off[e]; h < d->hold_off[e + 1]; h++) {
-    LthCgTurned turned;
-    lth_cg_turn_hold(d, e, &d->holds[h], &turned);
-    lth_cg_add_hold(&d->holds[h], &turned, local, rows);
+  if (d->hold_off[e] < d->hold_off[e + 1]) {
+    const double *held = d->hold_matrix + d->hold_matrix_off[e] + 9 * n * local;
+    for (int k = 0; k < 9 * n; k++) rows[k] += held[k];
   }
   const uint16_t *slot = d->slot + d->slot_off[e] + (LitheCount)local * n;
   for (int j = 0; j < n; j++) {
@@ -100,20 +99,28 @@ static void add_element(const LthCgDisc *d, LitheIndex e, int local, const LthBl
 }
 
 /// Stress of the map x -> x, which corotated elements pull back to: (3 lambda + 2 mu) R int grad phi_i.
-static void add_rest_load(const LthCgDisc *d, LitheIndex e, int local, double t, double f0[3]) {
+static void add_rest_load(const LthCgDisc *d, LitheIndex e, int local, double f0[3]) {
   LthCgTables tables = lth_cg_tables(d, d->class_of[e]);
   double turned[3];
   lth_m3_apply(d->rotation + 9 * (LitheCount)e, tables.mean + 3 * local, turned);
   lth_v3_axpy(3 * d->lambda[e] + 2 * d->mu[e], turned, f0);
-  for (LitheIndex h = d->hold_off[e]; h < d->hold_off[e + 1]; h++) {
-    LthCgTurned hold;
-    lth_cg_turn_hold(d, e, &d->holds[h], &hold);
-    lth_cg_hold_load(d, &d->holds[h], &hold, local, t, f0);
+  if (d->hold_off[e] < d->hold_off[e + 1])
+    lth_v3_add(f0, d->hold_load + 3 * (LitheCount)(d->elements->element_off[e] + local), f0);
+}
+
+static void add_loads(const LthCgDisc *d, double *f0) {
+#pragma omp parallel for schedule(static) num_threads(lth_cg_threads(d))
+  for (LitheIndex row = 0; row < d->disc.n_rows; row++) {
+    double *f = f0 + 3 * (LitheCount)row;
+    memset(f, 0, 3 * sizeof *f);
+    for (LitheIndex k = d->node_off[row]; k < d->node_off[row + 1]; k++)
+      add_rest_load(d, d->node_element[k], d->node_local[k], f);
   }
 }
 
 void lth_cg_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0) {
   const LthCgDisc *d = lth_cg_of(disc);
+  lth_cg_sum_holds(d, t, true);
 #pragma omp parallel for schedule(static) num_threads(lth_cg_threads(d))
   for (LitheIndex row = 0; row < disc->n_rows; row++) {
     for (LitheCount b = K->block_off[row]; b < K->block_off[row + 1]; b++)
@@ -121,18 +128,13 @@ void lth_cg_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0) {
     for (LitheIndex k = d->node_off[row]; k < d->node_off[row + 1]; k++)
       add_element(d, d->node_element[k], d->node_local[k], K, row);
   }
-  lth_cg_assemble_load(disc, t, f0);
+  add_loads(d, f0);
 }
 
 void lth_cg_assemble_load(LthDisc *disc, double t, double *f0) {
   const LthCgDisc *d = lth_cg_of(disc);
-#pragma omp parallel for schedule(static) num_threads(lth_cg_threads(d))
-  for (LitheIndex row = 0; row < disc->n_rows; row++) {
-    double *f = f0 + 3 * (LitheCount)row;
-    memset(f, 0, 3 * sizeof *f);
-    for (LitheIndex k = d->node_off[row]; k < d->node_off[row + 1]; k++)
-      add_rest_load(d, d->node_element[k], d->node_local[k], t, f);
-  }
+  lth_cg_sum_holds(d, t, false);
+  add_loads(d, f0);
 }
 
 void lth_cg_update_rotations(LthDisc *disc, const double *x) {

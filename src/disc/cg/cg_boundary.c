@@ -79,11 +79,20 @@ static void visit_whole(const LthCgDisc *d, LthCgPoint *point,
   }
 }
 
+/// Rule for a triangle of a planar piece: full where its edges u, v compare with the element's size, fewer points on
+/// the fine surface of a body that its elements reach beyond.
+static const LthCgPlaneRule *triangle_rule(const LthCgDisc *d, LitheIndex e, const double u[3],
+                                           const double v[3]) {
+  double size = cbrt(d->classes[d->class_of[e]].volume_exact);
+  double edge = fmax(lth_v3_norm(u), lth_v3_norm(v));
+  if (d->cell_element && edge < 0.5 * size) return &d->small[edge < 0.125 * size ? 0 : 1];
+  return &d->plane[lth_cg_kind(d, e)->shape->degree - 1][0];
+}
+
 /// Points on one signed triangle of a planar piece.
 static void visit_triangle(const LthCgDisc *d, LthCgPoint *point,
                            void (*visit)(void *self, const LthCgPoint *point), void *self,
                            const LthFaceView *view, const LitheIndex corner[3]) {
-  const LthCgPlaneRule *rule = &d->plane[lth_cg_kind(d, point->element)->shape->degree - 1][0];
   const double *origin = view->points + 3 * (LitheCount)corner[0];
   double u[3], v[3], w[3];
   lth_v3_sub(view->points + 3 * (LitheCount)corner[1], origin, u);
@@ -91,6 +100,7 @@ static void visit_triangle(const LthCgDisc *d, LthCgPoint *point,
   lth_v3_cross(u, v, w);
   double area = lth_v3_dot(w, view->normal);
   if (area == 0) return;
+  const LthCgPlaneRule *rule = triangle_rule(d, point->element, u, v);
   for (int q = 0; q < rule->n; q++) {
     lth_v3_copy(origin, point->at);
     lth_v3_axpy(rule->at[q][0], u, point->at);

@@ -25,13 +25,37 @@ static LitheStatus project(LitheCtx *ctx, const LthDisc *disc,
 
 static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthCgDisc *d = disc->self;
-  void *blocks[] = {d->cell_lambda,  d->cell_mu,    d->lambda,    d->mu,
-                    d->density,      d->fill,       d->rotation,  d->classes,
-                    d->class_of,     d->exact,      d->tables,    d->node_off,
-                    d->node_element, d->node_local, d->block_off, d->block_col,
-                    d->slot_off,     d->slot,       d->order,     d->face,
-                    d->row_func,     d->degree,     d->weak,      d->hold_off,
-                    d->holds,        d->hold_data,  d->partial,   d};
+  void *blocks[] = {d->cell_lambda,
+                    d->cell_mu,
+                    d->lambda,
+                    d->mu,
+                    d->density,
+                    d->fill,
+                    d->rotation,
+                    d->classes,
+                    d->class_of,
+                    d->exact,
+                    d->tables,
+                    d->node_off,
+                    d->node_element,
+                    d->node_local,
+                    d->block_off,
+                    d->block_col,
+                    d->slot_off,
+                    d->slot,
+                    d->order,
+                    d->face,
+                    d->row_func,
+                    d->degree,
+                    d->weak,
+                    d->hold_off,
+                    d->holds,
+                    d->hold_data,
+                    d->hold_matrix_off,
+                    d->hold_matrix,
+                    d->hold_load,
+                    d->partial,
+                    d};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
 }
 
@@ -89,6 +113,7 @@ static void prepare_kinds(LthCgDisc *d) {
   for (int degree = 1; degree <= 2; degree++)
     for (int corners = 3; corners <= 4; corners++)
       lth_cg_plane_rule(corners, degree + 2, &d->plane[degree - 1][corners - 3]);
+  for (int order = 1; order <= 2; order++) lth_cg_plane_rule(3, order, &d->small[order - 1]);
 }
 
 static LitheStatus copy_weak(LitheCtx *ctx, const LthCgDef *def, LthCgDisc *d) {

@@ -178,6 +178,14 @@ LitheStatus lth_cg_build_holds(LitheCtx *ctx, LthCgDisc *d) {
       doubles += 4 * (LitheCount)lth_cg_kind(d, e)->n;
     }
   LTH_NEW_OR(done, ctx, d->hold_data, doubles);
+  LTH_NEW_OR(done, ctx, d->hold_matrix_off, n_elements + 1);
+  for (LitheIndex e = 0; e < n_elements; e++) {
+    LitheCount n = d->hold_off[e] < d->hold_off[e + 1] ? lth_cg_kind(d, e)->n : 0;
+    d->hold_matrix_off[e + 1] = d->hold_matrix_off[e] + 9 * n * n;
+  }
+  LTH_NEW_OR(done, ctx, d->hold_matrix, d->hold_matrix_off[n_elements]);
+  LTH_NEW_OR(done, ctx, d->hold_load,
+             d->n_holds > 0 ? 3 * (LitheCount)d->elements->element_off[n_elements] : 0);
   gather(d, fill);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex e = 0; e < n_elements; e++)
@@ -187,44 +195,53 @@ done:
   return status;
 }
 
-void lth_cg_turn_hold(const LthCgDisc *d, LitheIndex element, const LthCgHold *hold,
-                      LthCgTurned *turned) {
-  const double *R = d->rotation + 9 * (LitheCount)element;
-  double M[9], PM[9];
-  int n = turned->n = lth_cg_kind(d, element)->n;
-  turned->phi = d->hold_data + hold->table;
-  lth_m3_apply(R, hold->normal, turned->normal);
-  for (int j = 0; j < n; j++) lth_m3_apply(R, turned->phi + n + 3 * j, turned->dphi + 3 * j);
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      M[3 * a + b] = (a == b ? hold->iso : 0) + hold->stiff * turned->normal[a] * turned->normal[b];
-  lth_m3_mul(hold->P, M, PM);
-  lth_m3_mul(PM, hold->P, turned->M);
-}
+/// A hold with the element's rotation: R n, functions, the traction T_j of every function (sigma(phi_j c) n =
+/// T_j c), P T_j, and the penalty matrix M = P (iso I + stiff n n^T) P.
+typedef struct Turned {
+  const LthCgHold *hold;
+  int n;
+  double normal[3], M[9];
+  const double *phi;
+  double T[9 * LTH_CG_MAX], PT[9 * LTH_CG_MAX];
+} Turned;
 
-/// T_j: traction of node j's functions, sigma(phi_j c) n = T_j c, in the turned frame.
-static void traction_matrix(const LthCgHold *hold, const LthCgTurned *t, int j, double T[9]) {
-  const double *g = t->dphi + 3 * j, *n = t->normal;
+static void set_traction(Turned *t, const double R[9], const double *dphi, int j) {
+  const double *n = t->normal;
+  double g[3], *T = t->T + 9 * j;
+  lth_m3_apply(R, dphi, g);
   double gn = lth_v3_dot(g, n);
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++)
-      T[3 * a + b] = hold->lambda * n[a] * g[b] + hold->mu * ((a == b ? gn : 0) + g[a] * n[b]);
+      T[3 * a + b] =
+          t->hold->lambda * n[a] * g[b] + t->hold->mu * ((a == b ? gn : 0) + g[a] * n[b]);
+  lth_m3_mul(t->hold->P, T, t->PT + 9 * j);
 }
 
-void lth_cg_add_hold(const LthCgHold *hold, const LthCgTurned *t, int i, double *rows) {
-  double Ti[9], PTi[9];
-  int n = t->n;
-  traction_matrix(hold, t, i, Ti);
-  lth_m3_mul(hold->P, Ti, PTi);
-  for (int j = 0; j < n; j++) {
-    double Tj[9], PTj[9], w = hold->weight;
-    traction_matrix(hold, t, j, Tj);
-    lth_m3_mul(hold->P, Tj, PTj);
-    for (int a = 0; a < 3; a++)
-      for (int b = 0; b < 3; b++)
-        rows[(3 * a + b) * n + j] += w * (t->phi[i] * t->phi[j] * t->M[3 * a + b] -
-                                          t->phi[i] * PTj[3 * a + b] - t->phi[j] * PTi[3 * b + a]);
-  }
+static void turn_hold(const LthCgDisc *d, LitheIndex element, const LthCgHold *hold, Turned *t) {
+  const double *R = d->rotation + 9 * (LitheCount)element;
+  double M[9], PM[9];
+  t->hold = hold;
+  t->n = lth_cg_kind(d, element)->n;
+  t->phi = d->hold_data + hold->table;
+  lth_m3_apply(R, hold->normal, t->normal);
+  for (int j = 0; j < t->n; j++) set_traction(t, R, t->phi + t->n + 3 * j, j);
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      M[3 * a + b] = (a == b ? hold->iso : 0) + hold->stiff * t->normal[a] * t->normal[b];
+  lth_m3_mul(hold->P, M, PM);
+  lth_m3_mul(PM, hold->P, t->M);
+}
+
+/// Rows [a][b][j] of node i += those of the hold.
+static void add_rows(const Turned *t, int i, double *rows) {
+  double w = t->hold->weight;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) {
+      double *row = rows + (3 * a + b) * t->n, M = t->M[3 * a + b], PT = t->PT[9 * i + 3 * b + a];
+      for (int j = 0; j < t->n; j++)
+        row[j] +=
+            w * (t->phi[i] * t->phi[j] * M - t->phi[i] * t->PT[9 * j + 3 * a + b] - t->phi[j] * PT);
+    }
 }
 
 void lth_cg_hold_data(const LthCgDisc *d, const LthCgHold *hold, double t, double value[3]) {
@@ -240,18 +257,38 @@ void lth_cg_hold_data(const LthCgDisc *d, const LthCgHold *hold, double t, doubl
   }
 }
 
-void lth_cg_hold_load(const LthCgDisc *d, const LthCgHold *hold, const LthCgTurned *turned, int i,
-                      double t, double f0[3]) {
+/// f0 += that of the hold at time t (n x 3).
+static void add_load(const LthCgDisc *d, const Turned *t, double time, double *f0) {
   // the traction of x -> x is (3 lambda + 2 mu) n; what is prescribed is a place
-  double place[3], T[9], v[3], w[3], rest = 3 * hold->lambda + 2 * hold->mu;
-  lth_cg_hold_data(d, hold, t, place);
+  const LthCgHold *hold = t->hold;
+  double place[3], v[3], pull[3], held[3], rest = 3 * hold->lambda + 2 * hold->mu;
+  lth_cg_hold_data(d, hold, time, place);
   lth_v3_add(place, hold->at, place);
-  lth_m3_apply(turned->M, place, v);
-  lth_v3_axpy(hold->weight * turned->phi[i], v, f0);
-  lth_m3_apply(hold->P, turned->normal, v);
-  lth_v3_axpy(-hold->weight * turned->phi[i] * rest, v, f0);
-  traction_matrix(hold, turned, i, T);
-  lth_m3_apply(hold->P, place, v);
-  lth_m3_apply_t(T, v, w);
-  lth_v3_axpy(-hold->weight, w, f0);
+  lth_m3_apply(t->M, place, pull);
+  lth_m3_apply(hold->P, t->normal, v);
+  lth_v3_axpy(-rest, v, pull);
+  lth_m3_apply(hold->P, place, held);
+  for (int i = 0; i < t->n; i++) {
+    lth_m3_apply_t(t->T + 9 * i, held, v);
+    lth_v3_axpy(hold->weight * t->phi[i], pull, f0 + 3 * i);
+    lth_v3_axpy(-hold->weight, v, f0 + 3 * i);
+  }
+}
+
+void lth_cg_sum_holds(const LthCgDisc *d, double t, bool matrix) {
+#pragma omp parallel for schedule(dynamic, 16) num_threads(lth_cg_threads(d))
+  for (LitheIndex e = 0; e < d->elements->n_elements; e++) {
+    LitheIndex n = lth_cg_kind(d, e)->n;
+    double *rows = d->hold_matrix + d->hold_matrix_off[e];
+    double *load = d->hold_load + 3 * (LitheCount)d->elements->element_off[e];
+    if (d->hold_off[e] == d->hold_off[e + 1]) continue;
+    if (matrix) memset(rows, 0, sizeof *rows * 9 * (size_t)(n * n));
+    memset(load, 0, sizeof *load * 3 * (size_t)n);
+    for (LitheIndex h = d->hold_off[e]; h < d->hold_off[e + 1]; h++) {
+      Turned turned;
+      turn_hold(d, e, &d->holds[h], &turned);
+      for (int i = 0; matrix && i < n; i++) add_rows(&turned, i, rows + 9 * n * i);
+      add_load(d, &turned, t, load);
+    }
+  }
 }

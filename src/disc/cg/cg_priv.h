@@ -57,6 +57,7 @@ typedef struct LthCgDisc {
   bool warped;
   LthCgKind kind[LTH_ELEMENT_KINDS];
   LthCgPlaneRule plane[2][2];    ///< by degree - 1; triangle, square
+  LthCgPlaneRule small[2];       ///< of triangles much smaller than their element: 1 and 4 points
   double *cell_lambda, *cell_mu; ///< (n_cells)
   double *lambda, *mu, *density; ///< what an element counts with           (n_elements)
   double *fill;                  ///< filled fraction                       (n_elements)
@@ -85,7 +86,10 @@ typedef struct LthCgDisc {
   LthCgHold *holds;
   LitheIndex n_holds;
   double *hold_data;
-  double *partial; ///< (n_elements)
+  LitheCount *hold_matrix_off; ///< (n_elements + 1) into hold_matrix
+  double *hold_matrix;         ///< scratch: rows [i][a][b][j] of all holds of an element
+  double *hold_load;           ///< scratch: [i][a] per element, where element_node has i
+  double *partial;             ///< (n_elements)
 } LthCgDisc;
 
 static inline const LthCgDisc *lth_cg_of(const LthDisc *disc) { return disc->self; }
@@ -204,24 +208,9 @@ void lth_cg_find_held(LthCgDisc *d);
 /// Points of all weak constraints, by element, and their penalties.
 LitheStatus lth_cg_build_holds(LitheCtx *ctx, LthCgDisc *d);
 
-/// A hold with the element's rotation: R n, functions, R grad phi (n x 3), the penalty matrix M = P (iso I +
-/// stiff n n^T) P.
-typedef struct LthCgTurned {
-  int n;
-  double normal[3], M[9];
-  const double *phi;
-  double dphi[3 * LTH_CG_MAX];
-} LthCgTurned;
-
-void lth_cg_turn_hold(const LthCgDisc *d, LitheIndex element, const LthCgHold *hold,
-                      LthCgTurned *turned);
-
-/// Rows [a][b][j] of node i += those of the hold.
-void lth_cg_add_hold(const LthCgHold *hold, const LthCgTurned *turned, int i, double *rows);
-
-/// f0 of node i += that of the hold at time t.
-void lth_cg_hold_load(const LthCgDisc *d, const LthCgHold *hold, const LthCgTurned *turned, int i,
-                      double t, double f0[3]);
+/// Sum up the terms of all holds in hold_load and, where `matrix`, in hold_matrix, with the rotations as they stand
+/// and values of time t.
+void lth_cg_sum_holds(const LthCgDisc *d, double t, bool matrix);
 
 /// What the constraint prescribes at a hold: displacement.
 void lth_cg_hold_data(const LthCgDisc *d, const LthCgHold *hold, double t, double value[3]);
