@@ -28,7 +28,15 @@ def read_surface(folder, frame):
         file.seek(32 + 12 * n * (frame % samples))
         points = np.frombuffer(file.read(12 * n), "<f4").reshape(n, 3)
     if surface.GetNumberOfPoints() == n:
+        moved = np.linalg.norm(points - vtk_to_numpy(surface.GetPoints().GetData()), axis=1)
         surface.GetPoints().SetData(numpy_to_vtk(points, deep=True))
+        array = numpy_to_vtk(moved, deep=True)
+        array.SetName("displacement")
+        surface.GetPointData().AddArray(array)
+        to_cells = vtk.vtkPointDataToCellData()
+        to_cells.SetInputData(surface)
+        to_cells.Update()
+        surface = to_cells.GetOutput()
     else:
         raise SystemExit("surface.obj was read with %d points, surface.pc2 has %d"
                          % (surface.GetNumberOfPoints(), n))
@@ -139,7 +147,7 @@ def make_actor(data, args, top):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("folder")
+    parser.add_argument("folder", help="one, or several with commas: side by side")
     parser.add_argument("picture")
     parser.add_argument("--frames", default="-1")
     parser.add_argument("--what", default="surface", choices=("surface", "elements", "cut"))
@@ -155,8 +163,9 @@ def main():
     frames = [int(f) for f in args.frames.split(",")]
     width, height = (int(x) for x in args.size.split("x"))
 
-    parts = [read_surface(args.folder, f) if args.what == "surface" else
-             read_elements(args.folder, f, args.shrink, args.what == "cut") for f in frames]
+    parts = [read_surface(folder, f) if args.what == "surface" else
+             read_elements(folder, f, args.shrink, args.what == "cut")
+             for folder in args.folder.split(",") for f in frames]
     all_bounds = np.array([p.GetBounds() for p in parts])
     bounds = [g(all_bounds[:, i]) for i, g in zip(range(6), (min, max) * 3)]
     top = max([np.percentile(vtk_to_numpy(p.GetCellData().GetArray(args.colour)), 99) for p in parts

@@ -17,3 +17,7 @@ $render out/bunny-sliced docs/pictures/bunny-sliced.png --what cut --shrink 0.9 
 "$lithe" run scenes/cantilever.yaml -o out/cantilever
 $render out/cantilever docs/pictures/cantilever.png --what elements --shrink 0.97 --up z --azimuth 15 --frames 0 \
   --size 640x420
+
+"$lithe" run scenes/ears.yaml -o out/ears
+"$lithe" run scenes/ears.yaml -o out/ears-embedded --set bodies.0.method.kind=cg --set bodies.0.method.mesh=embedded
+$render out/ears,out/ears-embedded docs/pictures/ears.png --colour displacement --azimuth -50 --zoom 1.5 --size 480x420
