@@ -47,5 +47,8 @@ int lth_multilevel_levels(const LthMultilevel *M);
 LitheCount lth_multilevel_unknowns(const LthMultilevel *M, int level);
 double lth_multilevel_complexity(const LthMultilevel *M);
 
+/// What an update costs for a matrix with A's pattern, in bytes that products would read in that time.
+double lth_multilevel_update_cost(const LthBlockMatrix *A, LitheIndex n_linear);
+
 /// Bytes that M holds, A not among them.
 LitheCount lth_multilevel_bytes(const LthMultilevel *M);

@@ -3,6 +3,7 @@
 #include "scene/scene_public.h"
 #include "scene/schedule.h"
 #include "scene/world.h"
+#include "step/simulation.h"
 
 // Rates of a core of 2020, to guess by: a forecast is good to a factor of three.
 #define FACTOR_FLOPS 8e9   // sparse Cholesky [1/s]
@@ -29,44 +30,55 @@ done:
   return status;
 }
 
-/// Bytes and flops of a Cholesky factor, by its symbolic analysis.
-static LitheStatus predict_factor(LitheCtx *ctx, const LthBlockMatrix *A, double *bytes,
-                                  double *flops) {
+/// Cholesky factors of all bodies, or what takes their place.
+typedef struct Factor {
+  double bytes, flops;
+  bool is_beaten; ///< by multigrid: as asked, or as `auto` will choose
+} Factor;
+
+/// Add a factor's bytes and flops by its symbolic analysis, which is left out where no factor is made.
+static LitheStatus add_factor(LitheCtx *ctx, const LthScene *scene, const LthBlockMatrix *A,
+                              Factor *f) {
   const LthEngine *engine = lth_engine_find("cholesky");
   LthFactor *factor = NULL;
-  *bytes = *flops = 0;
-  if (!engine) return LITHE_OK;
+  double bytes = 0, flops = 0;
+  bool chooses = scene->linear == LTH_LINEAR_AUTO && scene->time_kind != LTH_TIME_DYNAMIC;
+  f->is_beaten |=
+      scene->linear == LTH_LINEAR_MULTIGRID || (chooses && lth_step_foresees_levels(A, 0));
+  if (!engine || f->is_beaten || scene->linear == LTH_LINEAR_PCG) return LITHE_OK;
   LitheStatus status = engine->analyse(ctx, A, &factor);
-  if (status == LITHE_OK) engine->predict(factor, bytes, flops);
+  if (status == LITHE_OK) engine->predict(factor, &bytes, &flops);
+  f->bytes += bytes;
+  f->flops += flops;
+  f->is_beaten |= chooses && lth_step_prefers_levels(A, flops);
   engine->destroy(ctx, &factor);
   return status;
 }
 
-static void predict_cost(const LthScene *scene, double corners, double bytes, double flops,
+static void predict_cost(const LthScene *scene, double corners, const Factor *factor,
                          LitheForecast *f) {
-  bool is_pcg = scene->linear == LTH_LINEAR_PCG;
+  bool is_pcg = scene->linear == LTH_LINEAR_PCG, is_multigrid = factor->is_beaten;
+  double bytes = factor->bytes, flops = factor->flops;
   double matrix = 8.0 * (double)f->nonzeros;
-  double one_solve =
-      is_pcg ? 60 * matrix / SOLVE_BYTES : flops / FACTOR_FLOPS + 2 * bytes / SOLVE_BYTES;
+  double products = is_pcg ? 60 : 60 * 5.5;
+  double one_solve = is_pcg || is_multigrid ? products * matrix / SOLVE_BYTES
+                                            : flops / FACTOR_FLOPS + 2 * bytes / SOLVE_BYTES;
   // a corotated equilibrium takes some ten solves
   if (scene->time_kind != LTH_TIME_DYNAMIC) one_solve *= 10;
-  f->linear = is_pcg ? "pcg" : "cholesky";
-  f->memory = 3 * matrix + (is_pcg ? 0 : 2 * bytes) + 1000 * corners + 5e7;
+  f->linear = is_pcg ? "pcg" : is_multigrid ? "multigrid" : "cholesky";
+  f->memory = 3 * matrix + (is_pcg ? 0 : is_multigrid ? matrix : 2 * bytes) + 1000 * corners + 5e7;
   f->seconds = (double)f->steps * (one_solve + matrix / SOLVE_BYTES * 4) +
                corners * POINT_SECONDS * (20 + f->frames);
 }
 
 /// Add what one body needs: sizes to the forecast, and the cost of a factor of its matrix.
-static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, double *bytes, double *flops,
-                            LitheForecast *f) {
+static LitheStatus add_body(LitheCtx *ctx, const LthScene *scene, const LthBody *body,
+                            Factor *factor, LitheForecast *f) {
   LitheStatus status = LITHE_OK;
   const LthMesh *mesh = body->mesh;
   LthBlockMatrix *A = NULL;
-  double more_bytes, more_flops;
   LITHE_TRY_OR(done, make_pattern(ctx, body, &A));
-  LITHE_TRY_OR(done, predict_factor(ctx, A, &more_bytes, &more_flops));
-  *bytes += more_bytes;
-  *flops += more_flops;
+  LITHE_TRY_OR(done, add_factor(ctx, scene, A, factor));
   f->elements += mesh->n_cells;
   f->unknowns += A->n;
   f->nonzeros += A->value_off[A->block_off[A->n_rows]];
@@ -79,16 +91,17 @@ done:
 }
 
 static LitheStatus forecast_world(LitheCtx *ctx, const LthWorld *world, LitheForecast *f) {
-  double bytes = 0, flops = 0, corners = 0;
+  double corners = 0;
+  Factor factor = {0};
   LthSchedule schedule = lth_schedule_make(world->scene);
   *f = (LitheForecast){.steps = lth_schedule_total(&schedule),
                        .frames = schedule.n_outputs + schedule.writes_start};
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     const LthMesh *mesh = world->bodies[b]->mesh;
-    LITHE_TRY(add_body(ctx, world->bodies[b], &bytes, &flops, f));
+    LITHE_TRY(add_body(ctx, world->scene, world->bodies[b], &factor, f));
     corners += mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
   }
-  predict_cost(world->scene, corners, bytes, flops, f);
+  predict_cost(world->scene, corners, &factor, f);
   return LITHE_OK;
 }
 

@@ -60,7 +60,7 @@ static void add_engines(Lines *lines) {
   add(lines, "methods     dg (discontinuous Galerkin on polyhedra)\n");
   add(lines, "engines    ");
   for (int i = 0; i < lth_engine_count(); i++) add(lines, " %s,", lth_engine_at(i)->name);
-  add(lines, " pcg\n");
+  add(lines, " pcg, multigrid\n");
   add(lines, "libraries   CHOLMOD %d.%d.%d, libfyaml %s, zlib %s, muParser, OpenBLAS, LAPACK\n",
       CHOLMOD_MAIN_VERSION, CHOLMOD_SUB_VERSION, CHOLMOD_SUBSUB_VERSION, fy_library_version(),
       zlibVersion());

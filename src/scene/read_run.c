@@ -90,7 +90,7 @@ void lth_read_time(LthReader *r) {
 }
 
 void lth_read_solver(LthReader *r) {
-  static const char *const linear[] = {"auto", "cholesky", "pcg", NULL};
+  static const char *const linear[] = {"auto", "cholesky", "pcg", "multigrid", NULL};
   const LthNode *solver = lth_node_get(r->root, "solver"), *newton = lth_node_get(solver, "newton");
   LthScene *scene = r->scene;
   scene->linear = (LthLinearChoice)lth_read_word(solver, "linear", linear);

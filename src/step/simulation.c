@@ -64,6 +64,7 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   LTH_NEW_OR(done, ctx, s, 1);
   s->system = system;
   s->options = *options;
+  s->solver = LTH_LINEAR_PCG;
   s->n = system->n;
   s->report = (LthStepReport){.converged = true, .linear = "pcg", .linear_reason = "as asked"};
   s->has_contact = system->n_contacts > 0;
@@ -89,12 +90,15 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
                        s->force,   s->base,       s->rhs,      s->best,    s->solution, s->driven,
                        s->scratch, s->held_force, s->mass,     s->extra,   s->cm,       s->ck,
                        s->start,   s->f_before,   s->row_mass, s->factor_x};
+  lth_free(ctx, s->levels_x);
+  lth_free(ctx, s->levels_extra);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);
+  lth_multilevel_destroy(ctx, &s->levels);
   lth_block_jacobi_destroy(ctx, &s->jacobi);
   if (s->engine) s->engine->destroy(ctx, &s->factor);
   lth_block_matrix_destroy(ctx, &s->A);

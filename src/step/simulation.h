@@ -8,7 +8,9 @@
 typedef enum LthLinearChoice {
   LTH_LINEAR_AUTO,
   LTH_LINEAR_CHOLESKY,
-  LTH_LINEAR_PCG
+  LTH_LINEAR_PCG,
+  LTH_LINEAR_MULTIGRID,
+  LTH_LINEAR_COUNT
 } LthLinearChoice;
 
 /// How time goes on. The first solves one linear system a step, the others iterate over rotations.
@@ -31,10 +33,16 @@ typedef struct LthStepOptions {
 
 LthStepOptions lth_step_options_default(void);
 
+/// Whether `auto` takes multigrid for equilibria: foreseen from A's pattern alone, where a factor of a compact body's
+/// matrix would be too large for `memory_limit` (bytes, 0: any) or for patience; or, once an analysis has
+/// counted a factor's operations, because that costs more than iterations.
+bool lth_step_foresees_levels(const LthBlockMatrix *A, double memory_limit);
+bool lth_step_prefers_levels(const LthBlockMatrix *A, double flops);
+
 /// Running totals and the last step's figures.
 typedef struct LthStepReport {
   bool converged;                                  ///< all solves so far
-  const char *linear;                              ///< "cholesky" or "pcg"
+  const char *linear;                              ///< "cholesky", "pcg" or "multigrid"
   const char *linear_reason;                       ///< why `auto` took it
   LitheIndex linear_iterations, newton_iterations; ///< of the last step
   LitheCount linear_total;                         ///< of the whole run

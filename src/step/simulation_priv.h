@@ -1,6 +1,7 @@
 /// The open struct of a simulation, shared by the files of this room.
 #pragma once
 
+#include "la/multilevel.h"
 #include "la/reduction.h"
 #include "step/anderson.h"
 #include "step/simulation.h"
@@ -44,6 +45,9 @@ typedef struct LthInertia {
   double tensor[9]; // about the centre
 } LthInertia;
 
+// leading unknowns of a block row that span the linear functions: of dg's elements; a node of cg has three in all
+#define LTH_STEP_LINEAR 12
+
 struct LthSimulation {
   LthSystem *system;
   LthStepOptions options;
@@ -62,13 +66,20 @@ struct LthSimulation {
   bool contact_stands; // and solves do not ask whether they should be
 
   const LthEngine *engine;
-  LthFactor *factor;  // analysed when first needed
-  bool use_cholesky;  // decided for the present kind of solve
-  bool static_chosen; // what `auto` took for equilibria: PCG for this reason, or Cholesky
+  LthFactor *factor;     // analysed when first needed
+  LthMultilevel *levels; // made when first needed
+  double *levels_x;      // and from what state (n), time step and time; NULL before
+  double levels_step, levels_t;
+  bool levels_touch;    // coarse levels know of contact:
+  double *levels_extra; // its part of the diagonal blocks then                            (n_extra)
+  LthLinearChoice solver; // decided for the present kind of solve, never auto
+  bool static_chosen;     // what `auto` took for equilibria: PCG for this reason, or Cholesky
   const char *static_reason;
-  double cost[2][2]; // dynamic steps, without and with contact: PCG, kept factor
+  double cost[2][LTH_LINEAR_COUNT]; // dynamic steps, without and with contact, of each solver
   LitheIndex n_tallied[2];
   bool no_lag;                            // no factor can be used
+  bool no_levels;                         // nor multigrid
+  LthLinearChoice kept;                   // whose factor or levels are kept
   bool fresh, stale;                      // made in this step; to be made again
   bool has_lagged;                        // one has been made
   double factor_step, factor_t;           // of what matrix: its time step, and when
@@ -111,11 +122,20 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
 /// Ordering and symbolic analysis of A, once.
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s);
 
-/// Factor or precondition A as it stands (without contact).
+/// Make the multilevel preconditioner for A as it stands, of a step h.
+LitheStatus lth_step_create_levels(LitheCtx *ctx, LthSimulation *s, double h);
+
+/// Take A and s->x over into all levels, contact's diagonal blocks, too.
+LitheStatus lth_step_update_levels(LitheCtx *ctx, LthSimulation *s);
+
+/// Take A's and contact's present diagonal blocks into a preconditioner whose other parts may be older.
+LitheStatus lth_step_refresh(LitheCtx *ctx, LthSimulation *s);
+
+/// Factor or precondition A as it stands (a factor: without contact).
 LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s);
 
 /// The same in dynamic steps, where `auto` keeps a factor for a time step h over several steps as a preconditioner
-/// until the iterations that its age adds have cost as much as a new one.
+/// until the iterations that its age adds have cost as much as a new one. So are multigrid's coarse levels.
 LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h);
 
 /// After a dynamic step's solve: remember what it cost with the solver it had, and how much of that is due to
@@ -177,7 +197,7 @@ void lth_rigid_spare(const LthSimulation *s, double weight, const double *v, dou
 /// and the solver's tolerance leave; and so is their angular momentum, that the scheme itself would miss.
 void lth_stage_balance(LthSimulation *s, double dt);
 
-/// Decide between Cholesky and PCG for equilibria (`is_static`) or dynamic steps, with the reason.
+/// Decide between Cholesky, PCG and multigrid for equilibria (`is_static`) or dynamic steps, with the reason.
 LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static);
 
 /// Work since (t0, x0) of weak constraints that move, by the mean over both ends.

@@ -43,6 +43,8 @@ static void walk_choice(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE(a, s->cost);
   LTH_ARCHIVE(a, s->n_tallied);
   LTH_ARCHIVE(a, s->no_lag);
+  LTH_ARCHIVE(a, s->no_levels);
+  LTH_ARCHIVE(a, s->kept);
   LTH_ARCHIVE(a, s->has_lagged);
   LTH_ARCHIVE(a, s->fresh);
   LTH_ARCHIVE(a, s->stale);
@@ -54,27 +56,79 @@ static void walk_choice(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE(a, s->factor_t);
 }
 
+/// The matrix as it was at another state, of a step h that led to time t.
+static LitheStatus assemble_again(LitheCtx *ctx, LthSimulation *s, const double *x, double t,
+                                  double h) {
+  memcpy(s->x, x, sizeof *s->x * (size_t)s->n);
+  LITHE_TRY(lth_step_assemble(ctx, s, t, s->x));
+  lth_step_combine(ctx, s, h > 0 ? 1 : 0, h > 0 ? h * h : 1, h);
+  lth_step_constrain(ctx, s);
+  return LITHE_OK;
+}
+
 /// The kept factor from the state it was made of: assembling and factoring give the same bits again.
 static LitheStatus make_factor_again(LitheCtx *ctx, LthSimulation *s) {
-  const size_t bytes = sizeof *s->x * (size_t)s->n;
-  double *x = s->solution; // where the state waits
-  memcpy(x, s->x, bytes);
-  memcpy(s->x, s->factor_x, bytes);
-  LitheStatus status = lth_step_analyse(ctx, s);
-  if (status == LITHE_OK) status = lth_step_assemble(ctx, s, s->factor_t, s->x);
-  if (status == LITHE_OK) {
-    lth_step_combine(ctx, s, 1, s->factor_step * s->factor_step, s->factor_step);
-    lth_step_constrain(ctx, s);
-    status = s->engine->factorize(ctx, s->factor, s->A);
+  LITHE_TRY(assemble_again(ctx, s, s->factor_x, s->factor_t, s->factor_step));
+  if (s->kept == LTH_LINEAR_MULTIGRID)
+    return lth_multilevel_update(ctx, s->levels, s->x, s->levels_touch ? s->levels_extra : NULL);
+  LITHE_TRY(lth_step_analyse(ctx, s));
+  return s->engine->factorize(ctx, s->factor, s->A);
+}
+
+/// Contact's diagonal blocks of rows that something touched when the coarse levels were made.
+static void walk_touch(LthSimulation *s, LthArchive *a) {
+  LitheCount at = 0;
+  LTH_ARCHIVE(a, s->levels_touch);
+  for (LitheIndex row = 0; row < s->A->n_rows && s->levels_touch && a->status == LITHE_OK; row++) {
+    LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row], last = at + m * m;
+    bool any = false;
+    for (LitheCount i = at; i < last; i++) any |= s->levels_extra[i] != 0;
+    LTH_ARCHIVE(a, any);
+    if (a->is_reading) memset(s->levels_extra + at, 0, sizeof *s->levels_extra * (size_t)(m * m));
+    double *block = s->levels_extra + at;
+    if (any) LTH_ARCHIVE_ARRAY(a, block, m * m);
+    at = last;
   }
-  memcpy(s->x, x, bytes);
-  return status;
 }
 
 static void walk_factor(LthSimulation *s, LthArchive *a) {
   if (!s->has_lagged || s->stale) return;
   LTH_ARCHIVE_ARRAY(a, s->factor_x, s->n);
+  if (s->kept == LTH_LINEAR_MULTIGRID) walk_touch(s, a);
   if (a->is_reading && a->status == LITHE_OK) a->status = make_factor_again(a->ctx, s);
+}
+
+/// Aggregates and patterns of the levels come from the state in which they were first made.
+static void walk_levels(LthSimulation *s, LthArchive *a) {
+  bool exist = s->levels != NULL, strong = exist && lth_multilevel_is_strong(s->levels);
+  lth_archive_mark(a, "levels");
+  LTH_ARCHIVE(a, exist);
+  LTH_ARCHIVE(a, strong);
+  LTH_ARCHIVE(a, s->levels_step);
+  LTH_ARCHIVE(a, s->levels_t);
+  if (!exist || a->status != LITHE_OK) return;
+  if (a->is_reading && !s->levels_x)
+    a->status = lth_new_(a->ctx, (void **)&s->levels_x, s->n, sizeof *s->levels_x);
+  if (a->status != LITHE_OK) return;
+  LTH_ARCHIVE_ARRAY(a, s->levels_x, s->n);
+  if (!a->is_reading || a->status != LITHE_OK) return;
+  const double t1 = s->stage.t1;
+  a->status = assemble_again(a->ctx, s, s->levels_x, s->levels_t, s->levels_step);
+  s->stage.t1 = s->levels_t;
+  lth_multilevel_destroy(a->ctx, &s->levels);
+  if (a->status == LITHE_OK) a->status = lth_step_create_levels(a->ctx, s, s->levels_step);
+  if (a->status == LITHE_OK && strong) lth_multilevel_strengthen(s->levels);
+  s->stage.t1 = t1;
+}
+
+/// What solvers keep is made again in s->x, which waits elsewhere.
+static void walk_solvers(LthSimulation *s, LthArchive *a) {
+  const size_t bytes = sizeof *s->x * (size_t)s->n;
+  if (a->is_reading) memcpy(s->solution, s->x, bytes);
+  walk_choice(s, a);
+  walk_levels(s, a);
+  walk_factor(s, a);
+  if (a->is_reading) memcpy(s->x, s->solution, bytes);
 }
 
 void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
@@ -84,8 +138,7 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE_ARRAY(a, s->v, s->n);
   walk_stage(s, a);
   walk_memory(s->system, a);
-  walk_choice(s, a);
-  walk_factor(s, a);
+  walk_solvers(s, a);
   if (s->held_force) LTH_ARCHIVE_ARRAY(a, s->held_force, s->n);
   LTH_ARCHIVE_ARRAY(a, s->f_ext, s->n); // the work of the next equilibrium begins with it
   walk_report(s, a);

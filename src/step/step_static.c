@@ -112,7 +112,7 @@ static void adapt_damping(Search *q, double before, double unit) {
 /// the residual no longer halves within a window, or the linear solver finds no way on.
 static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
   double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
-  if (s->use_cholesky || !s->system->warped) inner = s->options.tolerance;
+  if (s->solver == LTH_LINEAR_CHOLESKY || !s->system->warped) inner = s->options.tolerance;
   q->damping = 0;
   *balanced = false;
   lth_anderson_reset(s->anderson);

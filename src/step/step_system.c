@@ -117,14 +117,19 @@ static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
                               LthSolveReport *report) {
   LitheStatus status = LITHE_OK;
   bool is_blocks = !s->contact_on && !(s->rigid.H > 0 && s->rigid.spares);
-  if (!s->use_cholesky && is_blocks) {
+  if (s->solver == LTH_LINEAR_PCG && is_blocks) {
     *report = lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
                                   tolerance, s->options.max_iterations);
     return LITHE_OK;
   }
   Inverse inverse = {ctx, s, &status};
   LthOperator A = {.n = s->n, .apply = apply_system, .self = s};
-  LthOperator M = s->use_cholesky
+  if (s->solver == LTH_LINEAR_MULTIGRID) {
+    *report = lth_multilevel_solve(s->levels, s->cg, lth_threads(ctx), &A, s->rhs, s->solution,
+                                   tolerance, s->options.max_iterations);
+    return LITHE_OK;
+  }
+  LthOperator M = s->solver == LTH_LINEAR_CHOLESKY
                       ? (LthOperator){.n = s->n, .apply = apply_factor, .self = &inverse}
                       : lth_block_jacobi_operator(s->jacobi);
   // the factor is exact but for rounding and contact: one or a few iterations
@@ -140,10 +145,7 @@ static void add_driven(const LthSimulation *s) {
 /// Solve with the contact set as it stands.
 static LitheStatus solve_pass(LitheCtx *ctx, LthSimulation *s, double tolerance, bool *converged) {
   add_contact(s);
-  if (s->contact_on && !s->use_cholesky) { // the preconditioner takes contact's diagonal in
-    lth_step_contact_diagonal(s, s->extra);
-    LITHE_TRY(lth_block_jacobi_update(ctx, s->jacobi, s->A, s->extra));
-  }
+  if (s->contact_on) LITHE_TRY(lth_step_refresh(ctx, s));
   lth_system_zero_held(s->system, s->solution);
   LthSolveReport r;
   LITHE_TRY(solve_once(ctx, s, tolerance, &r));

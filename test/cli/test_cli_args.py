@@ -46,6 +46,6 @@ expect("help_names_every_command", got.returncode == 0 and
        all("\n  %s " % c in got.stdout for c in ("run", "check", "mesh", "convert", "info")), got.stdout)
 got = run("info")
 expect("info_tells_version_engines_and_licence", got.returncode == 0 and got.stderr == "" and
-       got.stdout.startswith("lithe       0.1.0\n") and "\nengines     cholesky, pcg\n" in got.stdout and
+       got.stdout.startswith("lithe       0.1.0\n") and "\nengines     cholesky, pcg, multigrid\n" in got.stdout and
        "\nlicence     MIT; linked with CHOLMOD" in got.stdout, got.stdout)
 done()

@@ -151,6 +151,9 @@ for kind in ("newton-euler", "bdf2", "newmark"):
                   ["time.integrator=" + kind])
 check_resumes("pile", PILE, [(6, signal.SIGKILL)])
 check_resumes("drop by pcg", DROP, [(6, signal.SIGKILL)], ["solver.linear=pcg"])
+levels = ["solver.linear=multigrid", "bodies.0.method.cells=5"]  # more than the coarsest level alone
+check_resumes("drop by multigrid", DROP.replace("duration: 0.3", "duration: 0.14"), [(7, signal.SIGKILL)], levels)
+check_resumes("bend by multigrid", BEND, [(3, signal.SIGKILL)], ["solver.linear=multigrid", "bodies.0.method.cells=[8, 3, 3]"])
 
 
 # --- what cannot be resumed is told, and nothing is lost ---

@@ -92,7 +92,7 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("adapt={h: {}}",
                         "--set adapt={h: {}}: adapt: " UNBUILT "a mapping; leave it out");
   EXPECT_OVERRIDE_ERROR("solver.linear=petsc", "--set solver.linear=petsc: solver.linear: " UNBUILT
-                                               "\"petsc\"; available: auto, cholesky or pcg");
+                                               "\"petsc\"; available: auto, cholesky, pcg or multigrid");
   EXPECT_OVERRIDE_ERROR("output.fields=[vti]",
                         "--set output.fields=[vti]: output.fields.0: " UNBUILT
                         "\"vti\"; available: vtu or none");

@@ -234,7 +234,7 @@ static void a_falling_body_falls_as_the_scheme_says(void **state) {
 static void a_kept_state_goes_on_with_the_same_bits(void **state) {
   (void)state;
   for (int kind = 0; kind < N_KINDS; kind++)
-    for (int linear = LTH_LINEAR_AUTO; linear <= LTH_LINEAR_PCG; linear++) {
+    for (int linear = LTH_LINEAR_AUTO; linear < LTH_LINEAR_COUNT; linear++) {
       BeamDef def = {.cells = {6, 2, 2},
                      .poisson = 0.3,
                      .gravity = {0, 0, -5},

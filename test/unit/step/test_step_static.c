@@ -9,17 +9,18 @@ static LthStepReport balance(Beam *b, double t) {
 
 static void uniform_stretch_is_exact(void **state) {
   (void)state;
-  static const LthLinearChoice choices[] = {LTH_LINEAR_CHOLESKY, LTH_LINEAR_PCG};
-  for (int k = 0; k < 4; k++) {
+  static const LthLinearChoice choices[] = {LTH_LINEAR_CHOLESKY, LTH_LINEAR_PCG,
+                                            LTH_LINEAR_MULTIGRID};
+  for (int k = 0; k < 6; k++) {
     Beam b;
     BeamDef def = {.clamp_weak = true,
                    .pull_weak = true,
                    .pull = {{.constant = 0.04}},
-                   .degree = 1 + k / 2,
+                   .degree = 1 + k / 3,
                    .linear = true,
                    .cells = {4, 2, 1},
                    .options = lth_step_options_default()};
-    def.options.linear = choices[k % 2];
+    def.options.linear = choices[k % 3];
     beam_create(&b, def);
     LthStepReport r = balance(&b, 0);
     assert_true(r.converged);
@@ -88,6 +89,10 @@ static void large_deflection_matches_reference(void **state) {
     CHECK_NEAR(tip[1], 0, 1e-7);
     if (k == 2) continue;
     assert_true(cantilever(cases[k].degree, cases[k].cells, 5, LTH_LINEAR_PCG, again).converged);
+    CHECK_NEAR(again[2], tip[2], 1e-6);
+    r = cantilever(cases[k].degree, cases[k].cells, 5, LTH_LINEAR_MULTIGRID, again);
+    assert_true(r.converged);
+    assert_string_equal(r.linear, "multigrid");
     CHECK_NEAR(again[2], tip[2], 1e-6);
   }
 }
@@ -160,7 +165,7 @@ static void few_iterations_are_told(void **state) {
   beam_destroy(&b);
 }
 
-static void memory_limit_turns_auto_to_pcg(void **state) {
+static void memory_limit_turns_auto_to_multigrid(void **state) {
   (void)state;
   Beam b;
   BeamDef def = {.clamp_weak = true,
@@ -171,7 +176,7 @@ static void memory_limit_turns_auto_to_pcg(void **state) {
   beam_create(&b, def);
   LthStepReport r = balance(&b, 0);
   assert_true(r.converged);
-  assert_string_equal(r.linear, "pcg");
+  assert_string_equal(r.linear, "multigrid");
   assert_non_null(strstr(r.linear_reason, "memory"));
   beam_destroy(&b);
 }
@@ -257,7 +262,7 @@ int main(void) {
       cmocka_unit_test(turned_body_gives_turned_balance),
       cmocka_unit_test(quasistatic_steps_follow_the_constraint),
       cmocka_unit_test(few_iterations_are_told),
-      cmocka_unit_test(memory_limit_turns_auto_to_pcg),
+      cmocka_unit_test(memory_limit_turns_auto_to_multigrid),
       cmocka_unit_test(no_load_stays_at_rest),
       cmocka_unit_test(free_motions_are_named),
       cmocka_unit_test(roller_leaves_a_plane_of_motions),
