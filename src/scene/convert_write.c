@@ -94,8 +94,7 @@ static void put_holds(FILE *out, const LthConvertSets *holds) {
     put_where(out, &holds->set[i]);
     fputs("displacement: ", out);
     put_vector(out, holds->set[i].has, holds->set[i].value);
-    fprintf(out, ", enforce: strong}  # %d node%s\n", holds->set[i].n,
-            holds->set[i].n > 1 ? "s" : "");
+    fprintf(out, "}  # %d node%s\n", holds->set[i].n, holds->set[i].n > 1 ? "s" : "");
   }
 }
 

@@ -53,9 +53,40 @@ static double force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held
   return scale;
 }
 
+/// force = f_ext - f_int in the form that small displacements u = x - X0 ask for,
+///   f_int = K u - g,   g = f0 - K X0,
+/// with a row of g left out where rounding is all that it can be: next to the size of K X0, K x - f0 would
+/// drown forces that move a body by a billionth of its length.
+static void displacement_force(LitheCtx *ctx, LthSimulation *s) {
+  const LthBlockMatrix *A = s->A;
+  const double *u = lth_simulation_displacement(s), *X = s->x_rest;
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
+  for (LitheIndex row = 0; row < A->n_rows; row++) {
+    LitheCount first = A->row_off[row], m = A->row_off[row + 1] - first;
+    for (LitheCount i = 0; i < m; i++) {
+      double sum = 0, rest = 0, size = fabs(s->f0[first + i]);
+      for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+        LitheCount at = A->row_off[A->block_col[e]], n = A->row_off[A->block_col[e] + 1] - at;
+        const double *B = A->values + A->value_off[e] + i * n;
+        for (LitheCount j = 0; j < n; j++) {
+          sum += B[j] * u[at + j];
+          rest += B[j] * X[at + j];
+          size += fabs(B[j] * X[at + j]);
+        }
+      }
+      double g = s->f0[first + i] - rest;
+      s->force[first + i] = s->f_ext[first + i] + (fabs(g) > ROUNDING * size ? g : 0) - sum;
+    }
+  }
+}
+
 /// Assemble at the present state and measure how far it is from equilibrium.
 static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   LITHE_TRY(lth_step_assemble(ctx, s, q->t, s->x));
+  // turned elements have a g of their own size, where nothing is to be gained
+  bool at_rest = !(lth_step_norm(ctx, s->n, lth_simulation_displacement(s)) > 0);
+  if (!s->system->warped || at_rest) displacement_force(ctx, s);
   LITHE_TRY(lth_step_drive(ctx, s, q->t, 1, s->x));
   memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
   LITHE_TRY(contact_force(ctx, s, q->t, s->rhs));

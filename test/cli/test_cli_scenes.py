@@ -52,6 +52,12 @@ with folder() as d:
                             cwd=d).stdout)
     reaction = pulled["reaction"]["bodies.0.constraints.0"]
     expect("a_point_force_acts_on_every_node", abs(reaction[2] - 6) < 1e-6 * 6, reaction)
+    soft, hard = (json.loads(run("run", "beam.yaml", "--json", "-o", "stiff", "--set", "bodies.0.material.model=corotated",
+                                 "--set", "gravity=[0, -1e-3, 0]", "--set", "bodies.0.material.young_modulus=%g" % young,
+                                 cwd=d).stdout) for young in (1e8, 1e12))
+    # displacements of 4e-12 of the length: nothing but their own 16 digits in positions of size 1 may be lost
+    expect("stiffness_alone_scales_displacements", abs(1e4 * hard["displacement"]["max"] / soft["displacement"]["max"] - 1)
+           < 1e-3, (soft["displacement"], hard["displacement"]))
     check("a_point_force_without_nodes_is_named", ["run", "beam.yaml", "--quiet", "--set",
           "bodies.0.loads=[{where: {normal: [1, 0, 0]}, point_force: [0, 0, -3]}]"], cwd=d, status=2, err=(
               "lithe: --set bodies.0.loads=[{where: {normal: [1, 0, 0]}, point_force: [0, 0, -3]}]: "
