@@ -11,6 +11,7 @@
 /// their lower end; edge kind 1 .. 7 is the bit mask of the axes they go along.
 typedef struct Lattice {
   LthIsoFunction f;
+  LthIsoCrossing crossing; ///< or NULL
   const void *self;
   double origin[3], h[3];
   LitheIndex n[3];     ///< lattice points per axis
@@ -139,14 +140,10 @@ static LitheStatus march_layer(LitheCtx *ctx, Lattice *g, LitheIndex k) {
   return LITHE_OK;
 }
 
-/// Where f changes sign along an edge, by bisection from its inner to its outer end.
-static void find_crossing(const Lattice *g, const LitheIndex e[4], double x[3]) {
-  LitheIndex b[3] = {e[0] + (e[3] & 1), e[1] + (e[3] >> 1 & 1), e[2] + (e[3] >> 2)};
-  double from[3], to[3];
-  place(g, e[0], e[1], e[2], from);
-  place(g, b[0], b[1], b[2], to);
-  bool starts_inside = lattice_value(g, e[0], e[1], e[2]) <= 0;
-  double low = 0, high = 1;
+/// Part of the way at which f changes sign, by bisection.
+static double bisect(const Lattice *g, const double from[3], const double to[3],
+                     bool starts_inside) {
+  double low = 0, high = 1, x[3];
   for (int i = 0; i < BISECTIONS; i++) {
     double t = 0.5 * (low + high);
     for (int a = 0; a < 3; a++) x[a] = from[a] + t * (to[a] - from[a]);
@@ -156,7 +153,18 @@ static void find_crossing(const Lattice *g, const LitheIndex e[4], double x[3]) 
     else
       high = t;
   }
-  double t = 0.5 * (low + high);
+  return 0.5 * (low + high);
+}
+
+/// Where f changes sign along an edge.
+static void find_crossing(const Lattice *g, const LitheIndex e[4], double x[3]) {
+  LitheIndex b[3] = {e[0] + (e[3] & 1), e[1] + (e[3] >> 1 & 1), e[2] + (e[3] >> 2)};
+  double from[3], to[3];
+  place(g, e[0], e[1], e[2], from);
+  place(g, b[0], b[1], b[2], to);
+  bool starts_inside = lattice_value(g, e[0], e[1], e[2]) <= 0;
+  double t = g->crossing ? g->crossing(g->self, from, to, starts_inside)
+                         : bisect(g, from, to, starts_inside);
   t = fmin(fmax(t, END_DISTANCE), 1 - END_DISTANCE);
   for (int a = 0; a < 3; a++) x[a] = from[a] + t * (to[a] - from[a]);
 }
@@ -201,11 +209,12 @@ static LitheStatus lay_out(LitheCtx *ctx, Lattice *g, const double min[3], const
   return LITHE_OK;
 }
 
-LitheStatus lth_isosurface(LitheCtx *ctx, LthIsoFunction f, const void *self, const double min[3],
-                           const double max[3], double resolution, LitheIndex *n_points,
-                           double **points, LitheIndex *n_tris, LitheIndex **tris) {
+LitheStatus lth_isosurface(LitheCtx *ctx, LthIsoFunction f, LthIsoCrossing crossing,
+                           const void *self, const double min[3], const double max[3],
+                           double resolution, LitheIndex *n_points, double **points,
+                           LitheIndex *n_tris, LitheIndex **tris) {
   LitheStatus status = LITHE_OK;
-  Lattice g = {.f = f, .self = self};
+  Lattice g = {.f = f, .crossing = crossing, .self = self};
   *points = NULL, *tris = NULL, *n_points = 0, *n_tris = 0;
   LITHE_TRY_OR(done, lay_out(ctx, &g, min, max, resolution));
   LITHE_TRY_OR(done, march(ctx, &g));

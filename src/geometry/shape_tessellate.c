@@ -1,8 +1,8 @@
 /// Triangle surfaces of shapes: primitives with points on the true surface, the rest by an isosurface.
 #include "geometry/isosurface.h"
 #include "geometry/shape.h"
+#include "geometry/surface_shells.h"
 
-#include "base/disjoint_sets.h"
 #include "base/tensor.h"
 
 #define TRIS_MAX 2e8 ///< triangles of a primitive that are worth waiting for
@@ -270,14 +270,37 @@ static LitheStatus build_shell(Builder *b, const LthShape *s, double resolution)
 
 static double value_of(const void *self, const double x[3]) { return lth_shape_value(self, x); }
 
+/// Only the sign matters, and it costs.
+static double inside_wrap(const void *self, const double x[3]) {
+  return lth_wrap_map_inside(self, x) ? -1 : 1;
+}
+
+static double cross_wrap(const void *self, const double a[3], const double b[3],
+                         bool starts_inside) {
+  return lth_wrap_map_crossing(self, a, b, starts_inside);
+}
+
+static LitheStatus trace_wrap(Builder *b, const LthWrap *wrap, double resolution) {
+  LthWrapMap *map = NULL;
+  LITHE_TRY(lth_wrap_map_create(b->ctx, wrap, 2 * resolution, &map));
+  LitheStatus status =
+      lth_isosurface(b->ctx, inside_wrap, cross_wrap, map, wrap->box, wrap->box + 3, resolution,
+                     &b->n_points, &b->points, &b->n_tris, &b->tris);
+  lth_wrap_map_destroy(b->ctx, &map);
+  return status;
+}
+
 static LitheStatus build_isosurface(Builder *b, const LthShape *s, double resolution) {
   double min[3], max[3];
   lth_shape_bounds(s, min, max);
   if (!(resolution > 0))
     LITHE_FAIL(b->ctx, LITHE_BAD_INPUT, "the resolution of a shape must be positive, got %g m",
                resolution);
-  LITHE_TRY(lth_isosurface(b->ctx, value_of, s, min, max, resolution, &b->n_points, &b->points,
-                           &b->n_tris, &b->tris));
+  if (s->kind == LTH_SHAPE_WRAP)
+    LITHE_TRY(trace_wrap(b, s->wrap, resolution));
+  else
+    LITHE_TRY(lth_isosurface(b->ctx, value_of, NULL, s, min, max, resolution, &b->n_points,
+                             &b->points, &b->n_tris, &b->tris));
   if (b->n_tris == 0)
     LITHE_FAIL(
         b->ctx, LITHE_BAD_INPUT,
@@ -285,43 +308,6 @@ static LitheStatus build_isosurface(Builder *b, const LthShape *s, double resolu
         "shape is empty there, or thinner than the resolution; move it, or give a finer resolution",
         min[0], min[1], min[2], max[0], max[1], max[2], resolution);
   return LITHE_OK;
-}
-
-/// Number the connected shells in the order of their first triangles.
-static LitheStatus number_shells(LitheCtx *ctx, LthSurface *s) {
-  LitheIndex *parent = NULL, *shell = NULL;
-  LitheStatus status = LITHE_OK;
-  LTH_NEW_OR(done, ctx, parent, s->n_points);
-  LTH_NEW_OR(done, ctx, shell, s->n_points);
-  lth_sets_reset(parent, s->n_points);
-  for (LitheIndex p = 0; p < s->n_points; p++) shell[p] = -1;
-  for (LitheIndex h = 0; h < 3 * s->n_tris; h++) {
-    lth_sets_unite(parent, s->tris[h], s->tris[h / 3 * 3]);
-  }
-  s->n_shells = 0;
-  for (LitheIndex t = 0; t < s->n_tris; t++) {
-    LitheIndex root = lth_sets_root(parent, s->tris[3 * (size_t)t]);
-    if (shell[root] < 0) shell[root] = s->n_shells++;
-    s->tri_shell[t] = shell[root];
-  }
-done:
-  lth_free(ctx, parent);
-  lth_free(ctx, shell);
-  return status;
-}
-
-/// Wrap points and triangles, which the surface takes over, into a surface that is its own soup.
-static LitheStatus make_surface(Builder *b, LthSurface *s) {
-  LTH_NEW(b->ctx, s->tri_shell, b->n_tris);
-  LTH_NEW(b->ctx, s->tri_poly, b->n_tris);
-  LTH_NEW(b->ctx, s->soup_point, b->n_points);
-  s->n_points = s->n_soup_points = b->n_points;
-  s->n_tris = b->n_tris;
-  s->points = b->points, s->tris = b->tris;
-  b->points = NULL, b->tris = NULL;
-  for (LitheIndex t = 0; t < s->n_tris; t++) s->tri_poly[t] = t;
-  for (LitheIndex p = 0; p < s->n_points; p++) s->soup_point[p] = p;
-  return number_shells(b->ctx, s);
 }
 
 /// A copy of `n` elements of `size`, *copy is NULL where memory is out.
@@ -371,26 +357,42 @@ static LitheStatus build(Builder *b, const LthShape *s, double resolution) {
   case LTH_SHAPE_UNION:
   case LTH_SHAPE_INTERSECTION:
   case LTH_SHAPE_DIFFERENCE:
+  case LTH_SHAPE_WRAP:
     break;
   }
   return build_isosurface(b, s, resolution);
+}
+
+/// Leave out shells, also cavities, that are smaller than a lattice cell: noise around crossings.
+static LitheStatus drop_crumbs(LitheCtx *ctx, double resolution, LthSurface **surface) {
+  LitheIndex before = (*surface)->n_shells;
+  double smallest = resolution * resolution * resolution;
+  LITHE_TRY(lth_surface_drop_small(ctx, *surface, smallest));
+  LitheIndex n_dropped = before - (*surface)->n_shells;
+  if (n_dropped > 0)
+    lth_warn(ctx, "wrapping left out %d pieces smaller than the cube of its resolution of %.3g m",
+             n_dropped, resolution);
+  if ((*surface)->n_shells > 0) return LITHE_OK;
+  LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+             "wrapping at a resolution of %g m leaves nothing: the surface encloses no volume of "
+             "that size; give a finer resolution",
+             resolution);
 }
 
 LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double resolution,
                                  LthSurface **surface) {
   LitheStatus status = LITHE_OK;
   Builder b = {.ctx = ctx};
-  LthSurface *s = NULL;
   *surface = NULL;
   if (shape->kind == LTH_SHAPE_MESH) return copy_surface(ctx, shape->surface, surface);
+  if (shape->kind == LTH_SHAPE_WRAP && shape->resolution > 0) resolution = shape->resolution;
   LITHE_TRY_OR(done, build(&b, shape, resolution));
-  LTH_NEW_OR(done, ctx, s, 1);
-  LITHE_TRY_OR(done, make_surface(&b, s));
-  *surface = s;
-  s = NULL;
+  LITHE_TRY_OR(done,
+               lth_surface_from_triangles(ctx, b.n_points, &b.points, b.n_tris, &b.tris, surface));
+  if (shape->kind == LTH_SHAPE_WRAP) LITHE_TRY_OR(done, drop_crumbs(ctx, resolution, surface));
 done:
   lth_free(ctx, b.points);
   lth_free(ctx, b.tris);
-  lth_surface_destroy(ctx, &s);
+  if (status != LITHE_OK) lth_surface_destroy(ctx, surface);
   return status;
 }

@@ -47,7 +47,7 @@ static void keep_mesh(LthReader *r, LthSceneBody *body) {
     for (int j = 0; j < 3; j++) body->file_to_scene[4 * i + j] = body->place_rotation[3 * i + j];
     body->file_to_scene[4 * i + 3] = body->place_translation[i];
   }
-  if (body->shape.kind != LTH_SHAPE_MESH || !body->shape.soup) return;
+  if (!body->shape.soup) return;
   memcpy(body->file_to_scene, r->mesh_to_scene, sizeof body->file_to_scene);
   LthSceneOwned *owned = r->owned;
   for (LitheCount i = 0; i < owned->n_soups; i++)

@@ -32,6 +32,17 @@ LitheStatus lth_own_soup(LthReader *r, LthSoup *soup) {
   return status;
 }
 
+LitheStatus lth_own_wrap(LthReader *r, LthWrap *wrap) {
+  LthSceneOwned *owned = r->owned;
+  LitheStatus status = lth_reserve_(r->ctx, (void **)&owned->wraps, &owned->cap_wraps,
+                                    owned->n_wraps + 1, sizeof *owned->wraps);
+  if (status == LITHE_OK)
+    owned->wraps[owned->n_wraps++] = wrap;
+  else
+    lth_wrap_destroy(r->ctx, &wrap);
+  return status;
+}
+
 LitheStatus lth_find_file(LthReader *r, const LthNode *node, const char **path) {
   char *joined = NULL;
   *path = NULL;
@@ -137,19 +148,92 @@ static const char *write_defects(LthReader *r, const LthDefects *defects) {
   return done ? done : "";
 }
 
-static LitheStatus clean_surface(LthReader *r, const LthNode *file, LthMeshFile *mesh) {
+/// What a user can do about a defective surface besides mending the file.
+static const char *remedy(LthReader *r, const LthNode *node, const LthDefects *defects) {
+  bool may_wrap = lth_node_find(node, "repair") && defects->n > 0;
+  const char *drawn = write_defects(r, defects);
+  if (!may_wrap) return drawn;
+  const char *text =
+      lth_arena_print(r->arena, "; or write `repair: wrap` beside file, which closes it%s", drawn);
+  return text ? text : drawn;
+}
+
+/// The clean surface in the file's own coordinates. With `wrap` a surface with defects is no error:
+/// *n_crossings then says how many of its triangles cross, and mesh->surface stays NULL.
+static LitheStatus clean_surface(LthReader *r, const LthNode *node, bool wrap, LthMeshFile *mesh,
+                                 LitheIndex *n_crossings) {
+  const LthNode *file = lth_node_get(node, "file");
   LthDefects defects = {0};
   LthSurface *surface = NULL;
   LitheStatus status = lth_surface_from_soup(r->ctx, mesh->soup, file->text, &defects, &surface);
   if (status == LITHE_OK) {
     status = lth_own_surface(r, surface);
     mesh->surface = status == LITHE_OK ? surface : NULL;
+  } else if (status == LITHE_BAD_INPUT && wrap) {
+    status = LITHE_OK;
   } else {
-    const char *more = status == LITHE_BAD_INPUT ? write_defects(r, &defects) : "";
+    const char *more = status == LITHE_BAD_INPUT ? remedy(r, node, &defects) : "";
     status = blame_file(r, file, status, more);
   }
+  *n_crossings = defects.count[LTH_DEFECT_CROSSING];
   lth_defects_free(r->ctx, &defects);
   return status;
+}
+
+/// Part of an enumeration.
+static const char *join(LthReader *r, const char *list, const char *item) {
+  if (!list || !item) return item ? item : list;
+  const char *joined = lth_arena_print(r->arena, "%s, %s", list, item);
+  return joined ? joined : list;
+}
+
+/// What is wrong with a file, in one line of the result.
+static void warn_of_wrapping(LthReader *r, const LthNode *file, LitheIndex n_crossings,
+                             const LthWrap *w) {
+  const struct {
+    LitheIndex n;
+    const char *what;
+  } found[] = {{n_crossings, "pairs of triangles that cross or overlap"},
+               {w->n_crowded_edges, "edges with more than two triangles"},
+               {w->n_repeated, "repeated triangles"},
+               {w->n_one_sided, "shells without an outside"},
+               {w->n_turned_shells, "shells inside out"}};
+  const char *list = NULL;
+  if (w->n_open_edges > 0)
+    list = lth_arena_print(r->arena, "%d open edges around %d holes (the largest is %.3g m across)",
+                           w->n_open_edges, w->n_holes, w->largest_hole);
+  for (size_t i = 0; i < sizeof found / sizeof *found; i++)
+    if (found[i].n > 0)
+      list = join(r, list, lth_arena_print(r->arena, "%d %s", found[i].n, found[i].what));
+  lth_warn(r->ctx, "%s: wrapped where its winding number is one half; found %s", file->text,
+           list ? list : "nothing to mend");
+}
+
+static LitheStatus wrap_surface(LthReader *r, const LthNode *file, LitheIndex n_crossings,
+                                LthMeshFile *mesh) {
+  LthWrap *wrap = NULL;
+  LitheStatus status = lth_wrap_create(r->ctx, mesh->soup, file->text, &wrap);
+  if (status != LITHE_OK) return blame_file(r, file, status, "");
+  warn_of_wrapping(r, file, n_crossings, wrap);
+  LITHE_TRY(lth_own_wrap(r, wrap));
+  mesh->wrap = wrap;
+  return LITHE_OK;
+}
+
+/// Does `repair: wrap` apply? What it does not go with is reported.
+static bool is_wrapped(LthReader *r, const LthNode *node, bool needs_surface, LthMeshFile *mesh) {
+  LthNode *repair = lth_node_find(node, "repair");
+  LthNode *resolution = lth_node_find(node, "resolution");
+  bool wrap = repair && lth_node_is_text(repair, "wrap");
+  mesh->resolution = lth_read_number(node, "resolution", 0);
+  if (wrap && !needs_surface)
+    lth_report(r->report, repair,
+               "an embedded surface may have defects as it is, got wrap; expected it with the "
+               "shape's file");
+  if (resolution && !wrap)
+    lth_report_key(r->report, resolution,
+                   "it goes with repair: wrap, got no wrap; expected repair: wrap beside it");
+  return wrap && needs_surface;
 }
 
 static LitheStatus read_soup(LthReader *r, const LthNode *file, LthSoup **soup) {
@@ -175,10 +259,14 @@ LitheStatus lth_read_mesh(LthReader *r, const LthNode *node, const LthPlacement 
   file_map(r, node, soup, place, mesh->to_scene);
 
   // cleaned in the file's own coordinates: there the places of defects mean something to its owner
-  if (needs_surface) LITHE_TRY(clean_surface(r, file, mesh));
+  LitheIndex n_crossings = 0;
+  bool wrap = is_wrapped(r, node, needs_surface, mesh);
+  if (needs_surface) LITHE_TRY(clean_surface(r, node, wrap, mesh, &n_crossings));
   map_points(soup->n_points, soup->points, mesh->to_scene);
   if (mesh->surface) map_points(mesh->surface->n_points, mesh->surface->points, mesh->to_scene);
-  return LITHE_OK;
+  if (!wrap || (mesh->surface && mesh->resolution == 0)) return LITHE_OK;
+  mesh->surface = NULL;
+  return wrap_surface(r, file, n_crossings, mesh);
 }
 
 LitheStatus lth_read_mesh_as(LthReader *r, const LthNode *file, const double to_scene[12],

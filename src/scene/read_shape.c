@@ -79,8 +79,13 @@ static LitheStatus read_mesh_shape(LthReader *r, const LthNode *node, const LthP
   shape->soup = mesh.soup;
   shape->surface = mesh.surface;
   memcpy(r->mesh_to_scene, mesh.to_scene, sizeof mesh.to_scene);
-  // a stand-in, so that the rest of a scene with a bad file can be checked
-  if (!mesh.surface) *shape = (LthShape){.kind = LTH_SHAPE_SPHERE, .radius = 1};
+  if (mesh.wrap) {
+    shape->kind = LTH_SHAPE_WRAP;
+    shape->wrap = mesh.wrap;
+    shape->resolution = mesh.resolution;
+  } else if (
+      !mesh.surface) // a stand-in, so that the rest of a scene with a bad file can be checked
+    *shape = (LthShape){.kind = LTH_SHAPE_SPHERE, .radius = 1};
   return LITHE_OK;
 }
 
@@ -90,6 +95,7 @@ static LitheStatus read_children(LthReader *r, const LthNode *list, const LthPla
   LTH_NEW(r->ctx, shape->children, list->n_children);
   for (const LthNode *child = list->first; child; child = child->next) {
     const LthNode *resolution = lth_node_find(child, "resolution");
+    if (!resolution) resolution = lth_node_find(lth_node_find(child, "mesh"), "resolution");
     if (resolution)
       lth_report_key(
           r->report, resolution,

@@ -16,6 +16,8 @@ typedef struct LthSceneOwned {
   LitheCount n_surfaces, cap_surfaces;
   LthSoup **soups;
   LitheCount n_soups, cap_soups;
+  LthWrap **wraps;
+  LitheCount n_wraps, cap_wraps;
 } LthSceneOwned;
 
 typedef struct LthReader {
@@ -81,6 +83,8 @@ void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const d
 typedef struct LthMeshFile {
   LthSoup *soup;       ///< owned by the scene
   LthSurface *surface; ///< owned by the scene; NULL where it was not asked for
+  LthWrap *wrap;       ///< instead of it with `repair: wrap`, owned by the scene
+  double resolution;   ///< of `wrap` [m], 0: not given
   double to_scene[12]; ///< row-major 3x4, file to scene
 } LthMeshFile;
 
@@ -108,6 +112,7 @@ void lth_check_label(LthReader *r, const LthNode *label);
 
 LitheStatus lth_own_surface(LthReader *r, LthSurface *surface); ///< also frees it where that fails
 LitheStatus lth_own_soup(LthReader *r, LthSoup *soup);
+LitheStatus lth_own_wrap(LthReader *r, LthWrap *wrap);
 
 /// Path of a file that the scene names, and a check that it can be read: NULL where it cannot, and that
 /// has been reported at `node`.
