@@ -91,7 +91,9 @@ void lth_contact_place(LthContact *c, int side, LitheCount first_dof, LitheCount
 static void adapt_stiffness(LthContact *c) {
   bool rests = fabs(c->penetration - c->last_penetration) < 0.1 * c->penetration;
   c->last_penetration = c->penetration;
-  if (!c->is_auto || !rests || !(c->body_size > 0)) return;
+  // between bodies the softer one yields first: growing would only press a few points harder
+  bool grows = c->is_auto && c->n_sides == 1 && c->body_size > 0;
+  if (!grows || !rests) return;
   if (c->penetration > AUTO_DEPTH * c->body_size && c->growth < AUTO_GROWTH_MAX) {
     c->stiffness *= AUTO_GROWTH;
     c->growth *= AUTO_GROWTH;

@@ -42,6 +42,24 @@ solver: {tolerance: 1e-11}
 output: {every: 0.04}
 """
 
+# a block pressed on a cube, at rest
+PRESSED = """lithe: 1
+bodies:
+  - name: cube
+    shape: {box: {min: [-0.1, 0, -0.1], max: [0.1, 0.1, 0.1]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3}
+    method: {kind: dg, mesh: hexahedra, cells: [4, 2, 4], degree: 1}
+    constraints: [{where: {plane: {point: [0, 0, 0], normal: [0, -1, 0]}}, displacement: [0, 0, 0]}]
+  - name: block
+    shape: {box: {min: [-0.1, 0.1, -0.1], max: [0.1, 0.2, 0.1]}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3}
+    method: {kind: dg, mesh: hexahedra, cells: [3, 2, 3], degree: 1}
+    constraints: [{where: {plane: {point: [0, 0.2, 0], normal: [0, 1, 0]}}, displacement: [0, "-0.01*t", 0]}]
+contact: {friction: 0.5}
+time: {kind: quasistatic, steps: 2, duration: 1}
+output: {every: last}
+"""
+
 TIED = """lithe: 1
 bodies:
   - name: left
@@ -108,6 +126,14 @@ with folder() as d:
     apart = solve(d, "apart", STACK, "--set", "contact.bodies=false", "--set", "time.duration=0.3")
     expect("bodies_pass_through_each_other_where_asked", "pairs" not in apart["contact"] and
            apart["bodies"][1]["displacement"]["max"] > 0.05, apart)
+
+    pressed = solve(d, "pressed", PRESSED)
+    below, above = (pressed["reaction"]["bodies.%d.constraints.0" % b][1] for b in (0, 1))
+    push = pressed["contact"]["pairs"][0]["force"]
+    expect("a_pressed_pair_is_balanced", below > 5 and near(-above, below, 1e-6) and 0.8 * below < push < 1.3 * below, (below, above, push))
+    conforming = solve(d, "conforming", STACK, "--set", "bodies.0.method.kind=cg", "--set", "time.duration=0.4")
+    expect("conforming_and_discontinuous_bodies_touch", near(conforming["contact"]["pairs"][0]["force"], upper, 0.05),
+           conforming["contact"])
 
     start = 2 * 1000 * 4 / 3 * 3.14159 * 0.1**3
     impact = solve(d, "impact", IMPACT)
