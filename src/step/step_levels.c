@@ -12,6 +12,7 @@ LitheStatus lth_step_create_levels(LitheCtx *ctx, LthSimulation *s, double h) {
   memcpy(s->levels_x, s->x, sizeof *s->x * (size_t)s->n);
   s->levels_step = h;
   s->levels_t = s->stage.t1;
+  s->levels_touch = false;
   return LITHE_OK;
 }
 
