@@ -22,7 +22,8 @@ Pa, J, W, Hz, rad, L, bar with the prefixes T G M k h da d c m u n p; deg, t, mi
 of their powers such as `kg/m^3`, `N/mm^2`, `1/s`. An angle without unit is in radians.
 
 **Expressions**: where a table says *varies with*, a string of these variables may stand for the number:
-`"0.1*t*sin(2*pi*x)"`. x, y, z are the placed rest position [m], t the time [s]. Operators: `+ - * / ^`,
+`"0.1*t*sin(2*pi*x)"`. x, y, z are the placed rest position [m], t the time [s]; value and label what the
+image of the body shows there (images.md). Operators: `+ - * / ^`,
 comparisons, `&& ||`, `c ? a : b`. Functions: sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh
 atanh exp log (natural) ln log2 log10 sqrt abs sign rint min max sum avg. Constant: pi.
 
@@ -112,7 +113,8 @@ def varies_text(schema, node):
     node = resolve(schema, node)
     names = node.get("x-varies") or next(
         (resolve(schema, c)["x-varies"] for c in node.get("anyOf", []) if "x-varies" in resolve(schema, c)), None)
-    return f" Varies with {', '.join(names)}." if names else ""
+    words = {"v": "value, label"}
+    return f" Varies with {', '.join(words.get(n, n) for n in names)}." if names else ""
 
 
 def one_of(node):

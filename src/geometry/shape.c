@@ -105,6 +105,8 @@ double lth_shape_value(const LthShape *s, const double x[3]) {
     for (LitheIndex i = 1; i < s->n_children; i++)
       value = fmax(value, -lth_shape_value(&s->children[i], x));
     return value;
+  case LTH_SHAPE_IMAGE:
+    return lth_image_value(s->image, x);
   case LTH_SHAPE_WRAP:
     return lth_wrap_value(s->wrap, x);
   }
@@ -164,6 +166,10 @@ void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
     return;
   case LTH_SHAPE_DIFFERENCE:
     if (s->n_children > 0) lth_shape_bounds(&s->children[0], min, max);
+    return;
+  case LTH_SHAPE_IMAGE:
+    lth_v3_copy(s->image->box, min);
+    lth_v3_copy(s->image->box + 3, max);
     return;
   case LTH_SHAPE_WRAP:
     lth_v3_copy(s->wrap->box, min);

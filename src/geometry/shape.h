@@ -4,6 +4,7 @@
 #include "base/ctx.h"
 #include "base/value.h"
 #include "geometry/bvh.h"
+#include "geometry/image.h"
 #include "geometry/surface.h"
 #include "geometry/wrap.h"
 
@@ -18,6 +19,7 @@ typedef enum LthShapeKind {
   LTH_SHAPE_UNION,
   LTH_SHAPE_INTERSECTION,
   LTH_SHAPE_DIFFERENCE, ///< first child minus the others
+  LTH_SHAPE_IMAGE,      ///< inside where the level of an image is negative
   LTH_SHAPE_WRAP        ///< inside where the winding number is above one half
 } LthShapeKind;
 
@@ -29,11 +31,12 @@ struct LthShape {
   double radius, inner;      ///< [m]
   const LthSoup *soup;       ///< MESH, WRAP: borrowed, original file order in scene axes
   const LthSurface *surface; ///< MESH: borrowed, cleaned
-  LthBvh *bvh;         ///< MESH: made by lth_shape_prepare(); NULL: every triangle is looked at
-  LthValue value;      ///< IMPLICIT
-  double box[6];       ///< IMPLICIT: where to look for the surface: min, max
-  const LthWrap *wrap; ///< WRAP: borrowed
-  double resolution;   ///< WRAP: edge length of its surface [m], 0: what the whole shape has
+  LthBvh *bvh;           ///< MESH: made by lth_shape_prepare(); NULL: every triangle is looked at
+  LthValue value;        ///< IMPLICIT
+  double box[6];         ///< IMPLICIT: where to look for the surface: min, max
+  const LthImage *image; ///< IMAGE: borrowed
+  const LthWrap *wrap;   ///< WRAP: borrowed
+  double resolution;     ///< WRAP: edge length of its surface [m], 0: what the whole shape has
   LthShape *children;
   LitheIndex n_children;
 };
@@ -55,8 +58,8 @@ void lth_shape_bounds(const LthShape *shape, double min[3], double max[3]);
 /// A closed surface of the shape. A box gives its 12 triangles, a mesh a copy of itself, other
 /// primitives are tessellated with edges of about `resolution` [m] (points on the true surface);
 /// combinations and implicit shapes by an isosurface that is closed and manifold by construction,
-/// points moved onto the surface by root finding (sharp edges are chamfered at `resolution`). Pieces of a
-/// wrapped surface smaller than a lattice cell are left out.
+/// points moved onto the surface by root finding (sharp edges are chamfered at `resolution`). Pieces of
+/// wrapped surfaces and images that are smaller than a lattice cell are left out.
 /// The result's soup is itself: soup_point and tri_poly are the identity.
 /// LITHE_BAD_INPUT: no surface found, no size, or far too fine a resolution.
 LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double resolution,

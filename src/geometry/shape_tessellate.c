@@ -357,6 +357,7 @@ static LitheStatus build(Builder *b, const LthShape *s, double resolution) {
   case LTH_SHAPE_UNION:
   case LTH_SHAPE_INTERSECTION:
   case LTH_SHAPE_DIFFERENCE:
+  case LTH_SHAPE_IMAGE:
   case LTH_SHAPE_WRAP:
     break;
   }
@@ -370,12 +371,12 @@ static LitheStatus drop_crumbs(LitheCtx *ctx, double resolution, LthSurface **su
   LITHE_TRY(lth_surface_drop_small(ctx, *surface, smallest));
   LitheIndex n_dropped = before - (*surface)->n_shells;
   if (n_dropped > 0)
-    lth_warn(ctx, "wrapping left out %d pieces smaller than the cube of its resolution of %.3g m",
-             n_dropped, resolution);
+    lth_warn(ctx, "%d pieces smaller than the cube of the resolution of %.3g m left out", n_dropped,
+             resolution);
   if ((*surface)->n_shells > 0) return LITHE_OK;
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-             "wrapping at a resolution of %g m leaves nothing: the surface encloses no volume of "
-             "that size; give a finer resolution",
+             "nothing is left at a resolution of %g m: the shape encloses no volume of that size; "
+             "give a finer resolution",
              resolution);
 }
 
@@ -389,7 +390,8 @@ LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double re
   LITHE_TRY_OR(done, build(&b, shape, resolution));
   LITHE_TRY_OR(done,
                lth_surface_from_triangles(ctx, b.n_points, &b.points, b.n_tris, &b.tris, surface));
-  if (shape->kind == LTH_SHAPE_WRAP) LITHE_TRY_OR(done, drop_crumbs(ctx, resolution, surface));
+  if (shape->kind == LTH_SHAPE_WRAP || shape->kind == LTH_SHAPE_IMAGE)
+    LITHE_TRY_OR(done, drop_crumbs(ctx, resolution, surface));
 done:
   lth_free(ctx, b.points);
   lth_free(ctx, b.tris);

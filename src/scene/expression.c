@@ -20,29 +20,30 @@ typedef struct Copy {
   _Alignas(64) atomic_flag busy;
   bool has_gap;
   muParserHandle_t parser;
-  double variables[4];
+  double variables[6];
   LthExpressionGap gap;
 } Copy;
 
 struct LthExpression {
   int n_copies, uses;
   double scale;
+  const LthImage *image; ///< or NULL
   char *text;
   Copy copies[];
 };
 
-static const char *const variable_names[4] = {"x", "y", "z", "t"};
+static const char *const variable_names[6] = {"x", "y", "z", "t", "value", "label"};
 
 /// muParser prints nothing where a handler is set; what happened is asked for afterwards.
 static void ignore_error(muParserHandle_t parser) { (void)parser; }
 
-static muParserHandle_t new_parser(const char *text, double variables[4]) {
+static muParserHandle_t new_parser(const char *text, double variables[6]) {
   muParserHandle_t parser = mupCreate(muBASETYPE_FLOAT);
   if (!parser) return NULL;
   mupSetErrorHandler(parser, ignore_error);
   mupClearConst(parser);
   mupDefineConst(parser, "pi", PI);
-  for (int i = 0; i < 4; i++) mupDefineVar(parser, variable_names[i], &variables[i]);
+  for (int i = 0; i < 6; i++) mupDefineVar(parser, variable_names[i], &variables[i]);
   mupSetExpr(parser, text);
   return parser;
 }
@@ -94,8 +95,6 @@ static LitheStatus explain_unknown(const char *token, int column, LthExpressionE
   if (n == 0) n = strcspn(token, " ");
   if (n >= sizeof word) n = sizeof word - 1;
   memcpy(word, token, n);
-  if (strcmp(word, "value") == 0 || strcmp(word, "label") == 0)
-    return fail_at(error, column, "\"%s\" is known only in bodies made from images", word);
   const char *nearest = nearest_name(word);
   const char *meant = nearest ? ", did you mean " : "";
   if (isdigit((unsigned char)word[0]))
@@ -145,7 +144,7 @@ static int find_uses(muParserHandle_t parser) {
     const char *name = NULL;
     double *place = NULL;
     mupGetExprVar(parser, (unsigned)i, &name, &place);
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 6; k++)
       if (name && strcmp(name, variable_names[k]) == 0) uses |= 1 << k;
   }
   return uses;
@@ -203,6 +202,10 @@ void lth_expression_destroy(LitheCtx *ctx, LthExpression **expression) {
 
 int lth_expression_uses(const LthExpression *expression) { return expression->uses; }
 
+void lth_expression_bind(LthExpression *expression, const LthImage *image) {
+  expression->image = image;
+}
+
 void lth_expression_scale(LthExpression *expression, double factor) { expression->scale *= factor; }
 
 /// A copy nobody else uses now.
@@ -244,6 +247,9 @@ double lth_expression_eval(const void *self, const double x[3], double t) {
   Copy *copy = take_copy(e);
   memcpy(copy->variables, x, 3 * sizeof *x);
   copy->variables[3] = t;
+  if (e->image && e->uses & LTH_USES_VALUE)
+    copy->variables[4] = lth_volume_value(e->image->volume, x);
+  if (e->image && e->uses & LTH_USES_LABEL) copy->variables[5] = lth_image_label(e->image, x);
   double value = mupEval(copy->parser) * e->scale;
   if (!isfinite(value)) note_gap(copy, value);
   atomic_flag_clear_explicit(&copy->busy, memory_order_release);

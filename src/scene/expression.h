@@ -3,9 +3,19 @@
 
 #include "base/ctx.h"
 #include "base/value.h"
+#include "geometry/image.h"
 
 /// What an expression depends on, as bits.
-enum { LTH_USES_X = 1, LTH_USES_Y = 2, LTH_USES_Z = 4, LTH_USES_T = 8, LTH_USES_XYZ = 7 };
+enum {
+  LTH_USES_X = 1,
+  LTH_USES_Y = 2,
+  LTH_USES_Z = 4,
+  LTH_USES_T = 8,
+  LTH_USES_VALUE = 16, ///< of an image
+  LTH_USES_LABEL = 32,
+  LTH_USES_XYZ = 7,
+  LTH_USES_IMAGE = 48
+};
 
 typedef struct LthExpression LthExpression;
 
@@ -23,6 +33,9 @@ void lth_expression_destroy(LitheCtx *ctx, LthExpression **expression);
 
 /// Bits of the variables it uses; 0: a constant.
 int lth_expression_uses(const LthExpression *expression);
+
+/// What `value` and `label` mean from now on; both are 0 before. The image is borrowed for life.
+void lth_expression_bind(LthExpression *expression, const LthImage *image);
 
 /// Multiply all values (a unit behind the expression).
 void lth_expression_scale(LthExpression *expression, double factor);

@@ -112,11 +112,14 @@ static bool check_unit(LthReport *report, LthNode *node, const LthQuantity *quan
 }
 
 static const char *uses_text(int uses) {
+  bool has_image = uses & LTH_USES_IMAGE;
+  uses &= ~LTH_USES_IMAGE;
+  if (has_image) return "x, y, z, value, label";
   return uses == LTH_USES_T ? "t" : uses == LTH_USES_XYZ ? "x, y, z" : "x, y, z, t";
 }
 
 static void report_variables(LthReport *report, LthNode *node, int may_use, int extra) {
-  const char *names[4] = {"x", "y", "z", "t"};
+  const char *names[6] = {"x", "y", "z", "t", "value", "label"};
   int k = 0;
   while (!(extra & (1 << k))) k++;
   const char *shown = lth_show(report->arena, node);

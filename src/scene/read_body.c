@@ -65,6 +65,8 @@ static LitheStatus read_body_shape(LthReader *r, const LthNode *node, const LthP
   LITHE_TRY(lth_read_shape(r, shape, place, has_grid ? search : NULL, false, &body->shape));
   body->shape_resolution = lth_read_number(shape, "resolution", 0);
   keep_mesh(r, body);
+  r->image = body->shape.kind == LTH_SHAPE_IMAGE ? body->shape.image : NULL;
+  r->image_is_missing = !r->image && lth_node_find(shape, "image");
   body->has_shape = shape != NULL;
   bool is_sound = shape && lth_node_is_sound(shape);
   if (is_sound) check_size(r, lth_node_find(node, "shape"), body);
@@ -148,6 +150,8 @@ static LitheStatus read_body(LthReader *r, const LthNode *node, LthSceneBody *bo
   const LthNode *initial = lth_node_get(node, "initial");
   lth_read_values(initial, "velocity", body->initial_velocity);
   lth_read_values(initial, "displacement", body->initial_displacement);
+  r->image = NULL;
+  r->image_is_missing = false;
   r->labels = LTH_LABELS_UNKNOWN; // selections of others are checked where their bodies are known
   return lth_read_embed(r, lth_node_get(node, "embed"), &place, body);
 }

@@ -180,6 +180,12 @@ static void check_list(LthReader *r, const LthNode *list, const LthSceneBody *bo
   }
 }
 
+/// `value` and `label` in the numbers of a material.
+static void bind_numbers(LthReader *r, const LthNode *node) {
+  static const char *const keys[] = {"young_modulus", "poisson_ratio", "density"};
+  for (int i = 0; i < 3; i++) lth_bind_image(r, node, keys[i]);
+}
+
 LitheStatus lth_read_material(LthReader *r, const LthNode *node, LthSceneBody *body) {
   bool is_list = node && node->kind == LTH_NODE_LIST;
   body->materials = lth_read_array(r, is_list ? node : NULL, sizeof *body->materials);
@@ -188,10 +194,13 @@ LitheStatus lth_read_material(LthReader *r, const LthNode *node, LthSceneBody *b
   if (!node) return LITHE_OK;
   if (!is_list) {
     body->n_materials = 1;
+    bind_numbers(r, node);
     return read_one(r, node, &body->materials[0]);
   }
-  for (const LthNode *item = node->first; item; item = item->next)
+  for (const LthNode *item = node->first; item; item = item->next) {
+    bind_numbers(r, item);
     LITHE_TRY(read_one(r, item, &body->materials[body->n_materials++]));
+  }
   check_list(r, node, body);
   return LITHE_OK;
 }

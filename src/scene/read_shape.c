@@ -124,6 +124,8 @@ static LitheStatus read_kind(LthReader *r, LthShapeKind kind, const LthNode *nod
     return read_mesh_shape(r, node, place, shape);
   case LTH_SHAPE_IMPLICIT:
     return lth_read_implicit(r, node, place, shape);
+  case LTH_SHAPE_IMAGE:
+    return lth_read_image(r, node, place, shape);
   default:
     return read_children(r, node, place, shape);
   }
@@ -131,9 +133,10 @@ static LitheStatus read_kind(LthReader *r, LthShapeKind kind, const LthNode *nod
 
 static LitheStatus read_tree(LthReader *r, const LthNode *node, const LthPlacement *place,
                              LthShape *shape) {
-  static const char *const keys[] = {"box",  "sphere",   "cylinder", "capsule",      "shell",
-                                     "mesh", "implicit", "union",    "intersection", "difference"};
-  for (int kind = 0; kind < 10; kind++) {
+  static const char *const keys[] = {"box",          "sphere",     "cylinder", "capsule",
+                                     "shell",        "mesh",       "implicit", "union",
+                                     "intersection", "difference", "image"};
+  for (int kind = 0; kind < 11; kind++) {
     const LthNode *value = lth_node_get(node, keys[kind]);
     if (value) return read_kind(r, (LthShapeKind)kind, value, place, shape);
   }

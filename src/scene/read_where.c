@@ -55,6 +55,8 @@ LitheStatus lth_read_where(LthReader *r, const LthNode *node, LthWhere *where) {
     where->kind = LTH_WHERE_OR;
     return read_children(r, value->first, value->n_children, where);
   } else if ((value = lth_node_get(node, "label"))) {
+    if (r->image) return lth_read_image_label(r, value, where);
+    if (r->image_is_missing) return LITHE_OK;
     where->kind = LTH_WHERE_LABEL;
     lth_check_label(r, value);
     return lth_copy_text(r->ctx, value->text, &where->label);

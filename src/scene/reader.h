@@ -18,6 +18,10 @@ typedef struct LthSceneOwned {
   LitheCount n_soups, cap_soups;
   LthWrap **wraps;
   LitheCount n_wraps, cap_wraps;
+  LthVolume **volumes;
+  LitheCount n_volumes, cap_volumes;
+  LthImage **images;
+  LitheCount n_images, cap_images;
 } LthSceneOwned;
 
 typedef struct LthReader {
@@ -29,6 +33,8 @@ typedef struct LthReader {
   const char *defects_path; ///< or NULL
   bool opens_files;         ///< false: files of a text of unknown origin stay closed
   const LthNode *root;
+  const LthImage *image;    ///< of the present body, or NULL
+  bool image_is_missing;    ///< it has one, but that could not be read
   double mesh_to_scene[12]; ///< of the mesh shape that was read last
   /// Groups that a `where` may name: of the body at hand; UNKNOWN where its file could not be read.
   enum { LTH_LABELS_UNKNOWN, LTH_LABELS_NONE, LTH_LABELS_OF_FILE } labels;
@@ -77,6 +83,19 @@ LitheStatus lth_read_implicit(LthReader *r, const LthNode *node, const LthPlacem
                               LthShape *shape);
 /// Give boxes to implicit parts that have none.
 void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const double *search);
+
+/// --- images (read_image.c) ---
+
+/// The shape of the map with `file`; a ball where that could not be read, and it has been reported.
+LitheStatus lth_read_image(LthReader *r, const LthNode *node, const LthPlacement *place,
+                           LthShape *shape);
+/// `where: {label: k}` in a body made from an image.
+LitheStatus lth_read_image_label(LthReader *r, const LthNode *node, LthWhere *where);
+/// Let `value` and `label` in an expression mean the present body's image; reported where it has none.
+void lth_bind_image(LthReader *r, const LthNode *map, const char *key);
+
+LitheStatus lth_own_volume(LthReader *r, LthVolume *volume); ///< also frees it where that fails
+LitheStatus lth_own_image(LthReader *r, LthImage *image);
 
 /// --- surface files (read_mesh.c) ---
 

@@ -200,6 +200,10 @@ static void free_owned(LitheCtx *ctx, LthSceneOwned *owned) {
   if (!owned) return;
   for (LitheCount i = 0; i < owned->n_surfaces; i++) lth_surface_destroy(ctx, &owned->surfaces[i]);
   for (LitheCount i = 0; i < owned->n_soups; i++) lth_soup_destroy(ctx, &owned->soups[i]);
+  for (LitheCount i = 0; i < owned->n_images; i++) lth_image_destroy(ctx, &owned->images[i]);
+  for (LitheCount i = 0; i < owned->n_volumes; i++) lth_volume_destroy(ctx, &owned->volumes[i]);
+  lth_free(ctx, owned->images);
+  lth_free(ctx, owned->volumes);
   for (LitheCount i = 0; i < owned->n_wraps; i++) lth_wrap_destroy(ctx, &owned->wraps[i]);
   lth_free(ctx, owned->wraps);
   lth_free(ctx, owned->surfaces);

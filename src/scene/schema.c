@@ -50,7 +50,8 @@ static Inherited inherit(const LthSchema *s, const LthNode *rule, Inherited from
   if (unit) from.unit = unit->text;
   if (varies)
     from.may_use = (strchr(varies->text, 'x') ? LTH_USES_XYZ : 0) |
-                   (strchr(varies->text, 't') ? LTH_USES_T : 0);
+                   (strchr(varies->text, 't') ? LTH_USES_T : 0) |
+                   (strchr(varies->text, 'v') ? LTH_USES_IMAGE : 0);
   return from;
 }
 

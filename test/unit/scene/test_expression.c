@@ -83,7 +83,6 @@ static void names_the_column_of_an_error(void **state) {
   check_error("\"a\"", 1, "a quote inside the expression");
   check_error("1e400", 1, "\"1e400\" is no number of double precision");
   check_error("x ? 1", 6, "the \":\" of a choice ? : is missing");
-  check_error("1000*value", 6, "\"value\" is known only in bodies made from images");
 }
 
 static void knows_what_it_depends_on(void **state) {

@@ -83,16 +83,13 @@ static void refuses_what_is_not_built_yet(void **state) {
       "bodies.0.material.model=neo-hookean",
       "--set bodies.0.material.model=neo-hookean: bodies.0.material.model: " UNBUILT
       "\"neo-hookean\"; available: linear or corotated");
-  EXPECT_OVERRIDE_ERROR(
-      "bodies.0.shape={image: {file: a.png}}",
-      "--set bodies.0.shape={image: {file: a.png}}: bodies.0.shape.image: " UNBUILT
-      "a mapping; leave it out");
   EXPECT_OVERRIDE_ERROR("cuts=[{at: 1}]",
                         "--set cuts=[{at: 1}]: cuts: " UNBUILT "a list of 1; leave it out");
   EXPECT_OVERRIDE_ERROR("adapt={h: {}}",
                         "--set adapt={h: {}}: adapt: " UNBUILT "a mapping; leave it out");
-  EXPECT_OVERRIDE_ERROR("solver.linear=petsc", "--set solver.linear=petsc: solver.linear: " UNBUILT
-                                               "\"petsc\"; available: auto, cholesky, pcg or multigrid");
+  EXPECT_OVERRIDE_ERROR("solver.linear=petsc",
+                        "--set solver.linear=petsc: solver.linear: " UNBUILT
+                        "\"petsc\"; available: auto, cholesky, pcg or multigrid");
   EXPECT_OVERRIDE_ERROR("output.fields=[vti]",
                         "--set output.fields=[vti]: output.fields.0: " UNBUILT
                         "\"vti\"; available: vtu or none");
@@ -158,7 +155,7 @@ static void tells_where_numbers_may_vary(void **state) {
   EXPECT_OVERRIDE_ERROR(
       "bodies.0.material.density=1000*t",
       "--set bodies.0.material.density=1000*t: bodies.0.material.density: it varies with t, "
-      "got \"1000*t\"; expected a number or an expression of x, y, z");
+      "got \"1000*t\"; expected a number or an expression of x, y, z, value, label");
   EXPECT_OVERRIDE_ERROR(
       "bodies.0.shape={sphere: {center: [0, 0, 0], radius: x}}",
       "--set bodies.0.shape={sphere: {center: [0, 0, 0], radius: x}}: "
@@ -247,6 +244,21 @@ static void checks_shapes(void **state) {
           SAYS("mesh: {file: a.obj, repair: wrap}") "mesh.file: cannot be read: No such file or "
                                                     "directory, got \"a.obj\"; expected a file "
                                                     "(looked for ./a.obj)",
+          NULL});
+  expect_lines(
+      SMALL_SCENE, 1,
+      (const char *const[]){SHAPE("image: {file: a.nii, labels: [1], islands: remove-free}")},
+      (const char *const[]){
+          SAYS("image: {file: a.nii, labels: [1], islands: remove-free}") "image.file: cannot be "
+                                                                          "read: No such file or "
+                                                                          "directory, got "
+                                                                          "\"a.nii\"; expected a "
+                                                                          "file "
+                                                                          "(looked for ./a.nii)",
+          SAYS("image: {file: a.nii, labels: [1], islands: remove-free}") "image.islands: " UNBUILT
+                                                                          "\"remove-free\"; "
+                                                                          "available: report or "
+                                                                          "keep-largest",
           NULL});
 }
 
