@@ -62,10 +62,10 @@ typedef struct LthSceneMaterial {
 
 typedef struct LthSceneBody {
   char *name, *path;
-  const char *place;        ///< "scene.yaml:3:5: bodies.0", for messages
-  LthShape shape;           ///< placed: scene axes, scale and place
-  LthSoup *soup;            ///< of a mesh shape, placed, file order; NULL otherwise
-  LthSurface *surface;      ///< of a mesh shape, cleaned and placed; NULL otherwise, also of a wrapped
+  const char *place;   ///< "scene.yaml:3:5: bodies.0", for messages
+  LthShape shape;      ///< placed: scene axes, scale and place
+  LthSoup *soup;       ///< of a mesh shape, placed, file order; NULL otherwise
+  LthSurface *surface; ///< of a mesh shape, cleaned and placed; NULL otherwise, also of a wrapped
   double file_to_scene[12]; ///< row-major 3x4: scene = A file + b, for output.space: file
   double shape_resolution;  ///< [m], 0: a quarter of a cell
   LthSceneMaterial *materials;
