@@ -17,13 +17,22 @@ from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 import numpy as np
 
 
-def read_surface(folder, frame):
-    """The embedded surface with the points of one frame of its cache."""
+def read_surfaces(folder, frame):
+    """The embedded surfaces of all bodies."""
+    all_bodies = vtk.vtkAppendPolyData()
+    for obj in sorted(glob.glob(os.path.join(folder, "*surface.obj"))):
+        all_bodies.AddInputData(read_surface(obj[:-len(".obj")], frame))
+    all_bodies.Update()
+    return all_bodies.GetOutput()
+
+
+def read_surface(stem, frame):
+    """An embedded surface with the points of one frame of its cache."""
     reader = vtk.vtkOBJReader()
-    reader.SetFileName(os.path.join(folder, "surface.obj"))
+    reader.SetFileName(stem + ".obj")
     reader.Update()
     surface = reader.GetOutput()
-    with open(os.path.join(folder, "surface.pc2"), "rb") as file:
+    with open(stem + ".pc2", "rb") as file:
         _, _, n, _, _, samples = struct.unpack("<12siiffi", file.read(32))
         file.seek(32 + 12 * n * (frame % samples))
         points = np.frombuffer(file.read(12 * n), "<f4").reshape(n, 3)
@@ -38,8 +47,8 @@ def read_surface(folder, frame):
         to_cells.Update()
         surface = to_cells.GetOutput()
     else:
-        raise SystemExit("surface.obj was read with %d points, surface.pc2 has %d"
-                         % (surface.GetNumberOfPoints(), n))
+        raise SystemExit("%s.obj was read with %d points, the cache has %d"
+                         % (stem, surface.GetNumberOfPoints(), n))
     return surface
 
 
@@ -163,7 +172,7 @@ def main():
     frames = [int(f) for f in args.frames.split(",")]
     width, height = (int(x) for x in args.size.split("x"))
 
-    parts = [read_surface(folder, f) if args.what == "surface" else
+    parts = [read_surfaces(folder, f) if args.what == "surface" else
              read_elements(folder, f, args.shrink, args.what == "cut")
              for folder in args.folder.split(",") for f in frames]
     all_bounds = np.array([p.GetBounds() for p in parts])

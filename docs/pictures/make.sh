@@ -21,3 +21,6 @@ $render out/cantilever docs/pictures/cantilever.png --what elements --shrink 0.9
 "$lithe" run scenes/ears.yaml -o out/ears
 "$lithe" run scenes/ears.yaml -o out/ears-embedded --set bodies.0.method.kind=cg --set bodies.0.method.mesh=embedded
 $render out/ears,out/ears-embedded docs/pictures/ears.png --colour displacement --azimuth -50 --zoom 1.5 --size 480x420
+
+"$lithe" run scenes/two-bunnies.yaml -o out/two-bunnies
+$render out/two-bunnies docs/pictures/two-bunnies.png --frames 0,7,10,14 --floor 0 --zoom 1.25 --colour none --size 300x360

@@ -57,7 +57,7 @@ static void add_build(Lines *lines) {
 }
 
 static void add_engines(Lines *lines) {
-  add(lines, "methods     dg (discontinuous Galerkin on polyhedra)\n");
+  add(lines, "methods     dg (discontinuous Galerkin on polyhedra), cg (conforming elements)\n");
   add(lines, "engines    ");
   for (int i = 0; i < lth_engine_count(); i++) add(lines, " %s,", lth_engine_at(i)->name);
   add(lines, " pcg, multigrid\n");
