@@ -300,12 +300,12 @@ static LitheStatus write(LthConvert *c, LthConvertScene *scene) {
   if (scene->n_new > 0) {
     LITHE_TRY_OR(done, name_sets_file(c, &sets));
     LITHE_TRY_OR(done, lth_convert_write_sets(c, scene, sets, deck));
-    scene->mesh = sets + folder_length(sets);
+    LITHE_TRY_OR(done, lth_copy_text(c->ctx, sets + folder_length(sets), &scene->mesh));
   } else {
     scene->mesh = deck;
+    deck = NULL;
   }
   status = lth_convert_write_scene(c, scene);
-  if (scene->mesh) LITHE_TRY_OR(done, lth_copy_text(c->ctx, scene->mesh, &scene->mesh));
 done:
   lth_free(c->ctx, deck);
   lth_free(c->ctx, sets);

@@ -10,7 +10,7 @@
 /// True where another body is so near that contact with it may hold this one.
 static bool leans(const LthWorld *world, LitheIndex body) {
   const LthBody *a = world->bodies[body];
-  for (LitheIndex b = 0; world->n_pairs > 0 && b < world->n_bodies; b++) {
+  for (LitheIndex b = 0; world->scene->contact_bodies && b < world->n_bodies; b++) {
     const LthBody *other = world->bodies[b];
     double gap = 0;
     for (int i = 0; i < 3; i++)

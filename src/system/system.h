@@ -65,6 +65,7 @@ typedef struct LthSystem {
   double *f_fixed;       ///< gravity and loads that never change [N]          (n)
   double *scratch;       ///< (n)
   LthBlockMatrix **part; ///< a body's rows of A, values lent from there       (n_bodies)
+  bool lends;            ///< they are: parts have none of their own
 } LthSystem;
 
 LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem **system);

@@ -11,9 +11,10 @@ static bool is_single(const LthSystem *s) { return s->n_bodies == 1 && s->n_coup
 
 void lth_system_parts_free(LitheCtx *ctx, LthSystem *s) {
   for (LitheIndex b = 0; s->part && b < s->n_bodies && !is_single(s); b++) {
-    if (s->part[b]) s->part[b]->values = NULL; // lent by the whole matrix
+    if (s->part[b] && s->lends) s->part[b]->values = NULL; // they are the whole matrix's
     lth_block_matrix_destroy(ctx, s->part + b);
   }
+  s->lends = false;
 }
 
 /// Columns of the whole matrix, unsorted and with repetitions from block_off[row] on.
@@ -82,6 +83,7 @@ static void lend_values(LitheCtx *ctx, LthSystem *s, LthBlockMatrix *A) {
     lth_free(ctx, part->values);
     part->values = A->values;
   }
+  s->lends = true;
 }
 
 static LitheStatus join_parts(LitheCtx *ctx, LthSystem *s, LthBlockMatrix **A) {

@@ -179,6 +179,9 @@ with folder() as d:
            "lithe: bad.yaml:15:5: tie.0.where: selects nothing of the body's boundary; the body reaches from (0, 0, 0) to (0.5, 0.2, 0.2)")
     loose = BENT % ("0.5", 4, RIGHT.replace("tie: [{bodies: [left, right]}]", "").replace("min: [0.5", "min: [0.8"))
     got = run("check", "loose.yaml", cwd=d) if write(d, "loose.yaml", loose) is None else None
+    write(d, "near.yaml", loose.replace("min: [0.8", "min: [0.501"))
+    leaning = run("check", "near.yaml", cwd=d)
+    expect("check_lets_a_body_lean_on_another_as_run_does", leaning.returncode == 0, leaning.stderr)
     expect("a_loose_body_is_told_in_static_runs", got.returncode == 2 and "nothing holds the body against" in got.stderr, got.stderr)
 
 done()

@@ -69,6 +69,14 @@ bar.inp: 2 elements, 12 nodes, 1 material, 3 supports, 1 load
   mesh            bar-sets.inp, with 3 more sets
   run it          lithe run bar.yaml
 """, got.stdout + got.stderr)
+with folder() as f:
+    with open(os.path.join(f, "bar.inp"), "w") as out:
+        out.write(PULLED)
+    os.mkdir(os.path.join(f, "bar.yaml"))
+    failed = run("convert", "bar.inp", "bar.yaml", cwd=f)
+    expect("says_when_the_scene_cannot_be_written",
+           failed.returncode == 4 and "bar.yaml" in failed.stderr and failed.stdout == "",
+           "exit %d\n%s%s" % (failed.returncode, failed.stdout, failed.stderr))
 expect("scene_reads_like_one", scene == """\
 # bar.inp, end of step 1, translated by lithe convert. Numbers are the deck's own, so that
 # lengths, forces and stresses are in its units: mm, N, MPa stay mm, N, MPa in the result.
