@@ -23,7 +23,7 @@ struct LthWhere {
   LthShape shape;
   double point[3], normal[3]; ///< [m], unit
   double angle;               ///< [rad]
-  char *label; ///< name or number of a group of the mesh, owned
+  char *label;                ///< name or number of a group of the mesh, owned
   LthWhere *children;
   LitheIndex n_children;
 };

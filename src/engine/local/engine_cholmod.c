@@ -32,11 +32,13 @@ static int one_thread(void) {
 static LitheStatus failure(LitheCtx *ctx, const LthFactor *f, const char *phase) {
   switch (f->common.status) {
   case CHOLMOD_OUT_OF_MEMORY:
-    LITHE_FAIL(ctx, LITHE_NO_MEMORY,
-               "out of memory in the sparse Cholesky (%s): the factor takes about %.3g GB; use multigrid",
-               phase, f->bytes * 1e-9);
+    LITHE_FAIL(
+        ctx, LITHE_NO_MEMORY,
+        "out of memory in the sparse Cholesky (%s): the factor takes about %.3g GB; use multigrid",
+        phase, f->bytes * 1e-9);
   case CHOLMOD_TOO_LARGE:
-    LITHE_FAIL(ctx, LITHE_NO_MEMORY, "the matrix is too large for the sparse Cholesky; use multigrid");
+    LITHE_FAIL(ctx, LITHE_NO_MEMORY,
+               "the matrix is too large for the sparse Cholesky; use multigrid");
   case CHOLMOD_NOT_POSDEF:
     LITHE_FAIL(ctx, LITHE_NOT_CONVERGED,
                "the matrix is not positive definite (pivot %lld of %lld): raise the penalty or "
