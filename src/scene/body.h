@@ -83,6 +83,12 @@ const double *lth_body_displacement(const LthBody *body);
 double *lth_body_position(const LthBody *body);
 double *lth_body_velocity(const LthBody *body);
 
+/// Whether the embedded surface is that of the shape, point for point: not one of its own, and not the file that a
+/// shape was wrapped around.
+static inline bool lth_body_embeds_shape(const LthBody *body) {
+  return !body->def->embed_soup && !(body->def->soup && !body->def->surface);
+}
+
 /// What follows the points of `touch`: lent.
 const LthEmbedding *lth_body_touch_points(const LthBody *body);
 

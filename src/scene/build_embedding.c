@@ -46,8 +46,7 @@ static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *c
   LitheIndex *surface_cells = NULL;
   LitheIndex n_known = body->mesh->n_surface_points;
   const LitheIndex *map = def->surface ? def->surface->soup_point : NULL;
-  bool is_wrapped = def->soup && !def->surface; // its points are not those of the file
-  bool is_sliced = n_known > 0 && !def->embed_soup && !is_wrapped;
+  bool is_sliced = n_known > 0 && lth_body_embeds_shape(body);
   for (LitheIndex i = 0; i < body->soup->n_points; i++) cells[i] = -1;
   if (!is_sliced) return LITHE_OK;
   LTH_NEW(ctx, surface_cells, n_known);

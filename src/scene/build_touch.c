@@ -46,14 +46,12 @@ done:
 }
 
 /// Soup point of each point of the surface, where the embedded surface is this one.
-static LitheStatus map_to_soup(LitheCtx *ctx, const LthBody *body, LitheIndex *point) {
+static void map_to_soup(const LthBody *body, LitheIndex *point) {
   const LthSurface *shape = body->def->surface;
-  (void)ctx;
   for (LitheIndex i = 0; i < body->touch->n_points; i++) point[i] = i;
-  if (!body->def->soup || !shape) return LITHE_OK;
+  if (!body->def->soup || !shape) return;
   for (LitheIndex i = shape->n_soup_points - 1; i >= 0; i--)
     if (shape->soup_point[i] >= 0) point[shape->soup_point[i]] = i;
-  return LITHE_OK;
 }
 
 /// Cells of the points that slicing knows, -1 for others.
@@ -93,9 +91,9 @@ LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY_OR(done,
                lth_surface_refine(ctx, from, EDGE_CELLS * body->mesh->cell_size, &body->touch));
   LTH_NEW_OR(done, ctx, body->touch_point, body->touch->n_points);
-  bool is_embedded = body->embedding && body->surface && !body->def->embed_soup;
+  bool is_embedded = body->embedding && body->surface && lth_body_embeds_shape(body);
   if (is_embedded && body->touch->n_points == from->n_points)
-    status = map_to_soup(ctx, body, body->touch_point);
+    map_to_soup(body, body->touch_point);
   else
     status = embed_touch(ctx, body);
 done:

@@ -26,6 +26,13 @@ static void put_degree(LthJson *json, const LthDisc *disc) {
     lth_json_vector(json, "degree", 2, range);
 }
 
+/// Kind of a body's elements.
+static const char *element_name(const LthElementMesh *m) {
+  for (LitheIndex e = 1; e < m->n_elements; e++)
+    if (m->kind[e] != m->kind[0]) return "mixed";
+  return lth_element_shape((LthElementKind)m->kind[0])->name;
+}
+
 static void put_method(LthJson *json, const LthBody *body) {
   const LthSceneBody *def = body->def;
   static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
@@ -35,7 +42,7 @@ static void put_method(LthJson *json, const LthBody *body) {
   lth_json_string(json, "mesh", meshes[def->mesh_kind]);
   put_degree(json, body->disc);
   if (def->method_kind == LTH_METHOD_CG)
-    lth_json_string(json, "element", lth_element_shape(body->elements->kind[0])->name);
+    lth_json_string(json, "element", element_name(body->elements));
   else
     lth_json_string(json, "flux", def->flux == LTH_FLUX_IP ? "ip" : "bz");
   lth_json_end_object(json);

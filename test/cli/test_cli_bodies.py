@@ -79,6 +79,31 @@ time: static
 exact: {displacement: *field}
 """
 
+# an open box of eight points, closed by a surface of many more
+OPEN_BOX = "".join("v %g %g %g\n" % (x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)) + """\
+f 1 2 4 3
+f 5 7 8 6
+f 1 5 6 2
+f 1 3 7 5
+f 2 6 8 4
+"""
+WRAPPED = """lithe: 1
+bodies:
+  - name: table
+    shape: {box: {min: [-0.2, -0.3, -0.2], max: [0.2, -0.101, 0.2]}}
+    material: {model: linear, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [2, 1, 2], degree: 1}
+    constraints: [{where: {normal: [0, -1, 0], within: 1 deg}, displacement: [0, 0, 0]}]
+  - name: wrapped
+    shape: {mesh: {file: open.obj, repair: wrap}}
+    material: {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000, damping: {stiffness: 5e-3}}
+    method: {kind: dg, cells: 2, degree: 1}
+    embed: {surface: shape}
+gravity: [0, -9.81, 0]
+time: {kind: dynamic, duration: 0.5, step: 1/120}
+output: {every: last}
+"""
+
 BENT = """lithe: 1
 bodies:
   - name: left
@@ -147,6 +172,11 @@ with folder() as d:
         solve(d, "threads" + threads, IMPACT, "--set", "solver.threads=" + threads)
     bits = [open(os.path.join(d, "threads" + n, "history.csv")).read() for n in ("1", "3")]
     expect("bits_do_not_depend_on_threads", bits[0] == bits[1])
+
+    write(d, "open.obj", OPEN_BOX)
+    wrapped = solve(d, "wrapped", WRAPPED)
+    expect("a_wrapped_body_rests_on_another", near(wrapped["contact"]["pairs"][0]["force"], 0.008 * 1000 * 9.81, 0.03),
+           wrapped["contact"])
 
     tied = solve(d, "tied", TIED)
     expect("a_tie_passes_linear_fields", tied["error"]["linf"] < 1e-11, tied["error"])

@@ -45,6 +45,9 @@ static LthCgFace match_face(const LthCgDisc *d, LitheIndex f) {
 
 LitheStatus lth_cg_build_faces(LitheCtx *ctx, LthCgDisc *d) {
   const LthMesh *mesh = d->disc.mesh;
+  double min[3], max[3];
+  lth_mesh_bounds(mesh, min, max);
+  d->extent = lth_v3_distance(min, max);
   LTH_NEW(ctx, d->face, mesh->n_faces);
   if (d->cell_element) return LITHE_OK; // cells fill a part of their elements only
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
@@ -147,10 +150,7 @@ static void mark_whole(const LthCgDisc *d, LitheIndex e, const LthCgFace *face, 
 
 /// Nodes of the element that lie in a planar piece.
 static void mark_inside(const LthCgDisc *d, LitheIndex e, const LthFaceView *view, uint8_t *node) {
-  const LthMesh *mesh = d->disc.mesh;
-  double min[3], max[3];
-  lth_mesh_bounds(mesh, min, max);
-  double tolerance = 1e-9 * lth_v3_distance(min, max);
+  double tolerance = 1e-9 * d->extent;
   for (int i = 0; i < lth_cg_kind(d, e)->n; i++) {
     LitheIndex index = lth_cg_nodes(d, e)[i];
     if (lth_face_distance2(view, lth_cg_node(d, index)) <= tolerance * tolerance) node[index] = 1;

@@ -61,6 +61,7 @@ typedef struct LthCgDisc {
   double *cell_lambda, *cell_mu; ///< (n_cells)
   double *lambda, *mu, *density; ///< what an element counts with           (n_elements)
   double *fill;                  ///< filled fraction                       (n_elements)
+  double extent;                 ///< diagonal of the body's box [m]
   double *rotation;              ///< (n_elements x 9)
 
   LthCgClass *classes;
@@ -182,7 +183,7 @@ void lth_cg_stress(const LthDisc *disc, LitheIndex cell, const double *x, const 
 
 // cg_boundary.c
 
-/// Find the element face behind every boundary face of the mesh.
+/// Measure the body, and find the element face behind every boundary face of the mesh.
 LitheStatus lth_cg_build_faces(LitheCtx *ctx, LthCgDisc *d);
 
 /// True where piece i is a whole boundary face that is one, or half of one, of an element.

@@ -12,9 +12,6 @@ typedef struct DgDisc {
 
 static const LthDgDiscDef *def_of(const LthDisc *disc) { return disc->self; }
 
-const LthDgSpace *lth_dg_disc_space(const LthDisc *disc) { return def_of(disc)->space; }
-LthDgOperator *lth_dg_disc_operator(const LthDisc *disc) { return def_of(disc)->op; }
-
 static int list_funcs(const LthDgSpace *space, LitheIndex cell, LitheIndex *func) {
   int n = lth_dg_funcs(space, cell);
   for (int i = 0; i < n; i++) func[i] = space->func_off[cell] + i;
@@ -124,9 +121,8 @@ static void stress(const LthDisc *disc, LitheIndex cell, const double *x, const 
   lth_dg_stress(def_of(disc)->op, cell, x, at, stress);
 }
 
-static void destroy(LitheCtx *ctx, LthDisc *disc) {
-  lth_free(ctx, disc);
-} // a DgDisc's first member
+/// `disc` is a DgDisc's first member.
+static void destroy(LitheCtx *ctx, LthDisc *disc) { lth_free(ctx, disc); }
 
 static const LthDiscTable table = {
     .name = "dg",

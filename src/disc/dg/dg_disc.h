@@ -15,7 +15,3 @@ typedef struct LthDgDiscDef {
 } LthDgDiscDef;
 
 LitheStatus lth_dg_disc_create(LitheCtx *ctx, const LthDgDiscDef *def, LthDisc **disc);
-
-/// The space and the operator behind a DG discretisation.
-const LthDgSpace *lth_dg_disc_space(const LthDisc *disc);
-LthDgOperator *lth_dg_disc_operator(const LthDisc *disc);
