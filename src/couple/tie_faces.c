@@ -1,5 +1,6 @@
 /// The elements' own face terms on the common pieces of two bodies: a mesh and a space of the cells that
 /// meet there, and an operator that knows faces only.
+#include "base/order.h"
 #include "base/tensor.h"
 #include "couple/tie_priv.h"
 
@@ -17,18 +18,13 @@ typedef struct TieFaces {
   LthTieMatrix matrix;
 } TieFaces;
 
-static int compare_index(const void *a, const void *b) {
-  LitheIndex x = *(const LitheIndex *)a, y = *(const LitheIndex *)b;
-  return (x > y) - (x < y);
-}
-
 /// Cells of one body that meet the overlap, ascending and once each, behind the `n` there are.
 static LitheIndex list_cells(const LthTieDef *def, const LthOverlap *o, int side, LitheIndex n,
                              TieFaces *t) {
   LitheIndex first = n, kept = n;
   for (LitheIndex i = 0; i < o->pieces.n; i++)
     t->of[n++] = lth_tie_cell(&def->side[side], o->patch[2 * i + side]);
-  qsort(t->of + first, (size_t)(n - first), sizeof *t->of, compare_index);
+  qsort(t->of + first, (size_t)(n - first), sizeof *t->of, lth_compare_index);
   for (LitheIndex i = first; i < n; i++)
     if (i == first || t->of[i] != t->of[kept - 1]) t->of[kept++] = t->of[i];
   for (LitheIndex i = first; i < kept; i++) t->from[i] = (uint8_t)side;

@@ -1,6 +1,7 @@
 /// From what a mesh file says to an LthElementMesh: numbers become indices, unused nodes go, groups are sorted.
 #include "io/element_builder.h"
 
+#include "base/order.h"
 #include "base/tensor.h"
 
 #include <stdio.h>
@@ -201,14 +202,9 @@ static void move_arrays(Take *t) {
   if (has_reduced) m->reduced = b->reduced, b->reduced = NULL;
 }
 
-static int compare_indices(const void *pa, const void *pb) {
-  LitheIndex a = *(const LitheIndex *)pa, b = *(const LitheIndex *)pb;
-  return (a > b) - (a < b);
-}
-
 static void sort_members(LthElementGroup *g) {
   LitheIndex n = 0;
-  qsort(g->member, (size_t)g->n, sizeof *g->member, compare_indices);
+  qsort(g->member, (size_t)g->n, sizeof *g->member, lth_compare_index);
   for (LitheIndex i = 0; i < g->n; i++)
     if (i == 0 || g->member[i] != g->member[i - 1]) g->member[n++] = g->member[i];
   g->n = n;

@@ -1,6 +1,8 @@
 /// The matrix of several bodies: theirs along the diagonal, couplings beside it.
 #include "system/system_priv.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -53,17 +55,12 @@ static void list_columns(const LthSystem *s, Columns *c) {
     }
 }
 
-static int compare_index(const void *a, const void *b) {
-  LitheIndex x = *(const LitheIndex *)a, y = *(const LitheIndex *)b;
-  return (x > y) - (x < y);
-}
-
 /// Sort each row's columns and take repetitions out, in place.
 static void tidy_columns(LitheIndex n_rows, Columns *c) {
   LitheCount kept = 0, first = 0;
   for (LitheIndex row = 0; row < n_rows; row++) {
     LitheCount last = c->block_off[row + 1], start = kept;
-    qsort(c->col + first, (size_t)(last - first), sizeof *c->col, compare_index);
+    qsort(c->col + first, (size_t)(last - first), sizeof *c->col, lth_compare_index);
     for (LitheCount e = first; e < last; e++)
       if (kept == start || c->col[e] != c->col[kept - 1]) c->col[kept++] = c->col[e];
     first = last;

@@ -1,6 +1,8 @@
 /// Elastic energy with weak constraints, their reactions, and stress at a place.
 #include "disc/cg/cg_priv.h"
 
+#include "material/stress.h"
+
 /// y = R^T (x - x_0) - (X - X_0) of an element (n x 3): deformation in its own frame, about its node 0.
 static void element_deformation(const LthCgDisc *d, LitheIndex e, const double *x, double *y) {
   const LitheIndex *node = lth_cg_nodes(d, e);
@@ -115,20 +117,12 @@ void lth_cg_stress(const LthDisc *disc, LitheIndex cell, const double *x, const 
                    double stress[6]) {
   const LthCgDisc *d = lth_cg_of(disc);
   LitheIndex e = lth_cg_element(d, cell);
-  const double *R = d->rotation + 9 * (LitheCount)e;
   double phi[LTH_CG_MAX], dphi[3 * LTH_CG_MAX], y[3 * LTH_CG_MAX];
-  double H[9] = {0}, S[9], RS[9], Rt[9], T[9];
+  double H[9] = {0};
   lth_cg_eval_local(d, e, at, phi, dphi);
   element_deformation(d, e, x, y);
   for (int i = 0; i < lth_cg_kind(d, e)->n; i++)
     for (int k = 0; k < 9; k++) H[k] += y[3 * i + k / 3] * dphi[3 * i + k % 3];
-  double trace = d->cell_lambda[cell] * (H[0] + H[4] + H[8]);
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      S[3 * a + b] = d->cell_mu[cell] * (H[3 * a + b] + H[3 * b + a]) + (a == b ? trace : 0);
-  lth_m3_mul(R, S, RS);
-  lth_m3_transpose(R, Rt);
-  lth_m3_mul(RS, Rt, T);
-  static const int voigt[6] = {0, 4, 8, 5, 2, 1};
-  for (int i = 0; i < 6; i++) stress[i] = T[voigt[i]];
+  lth_turned_stress(d->rotation + 9 * (LitheCount)e, H, d->cell_lambda[cell], d->cell_mu[cell],
+                    stress);
 }

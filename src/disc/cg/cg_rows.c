@@ -1,6 +1,8 @@
 /// Rows of the matrix: the elements around each node, the pattern, and the places of element blocks in it.
 #include "disc/cg/cg_priv.h"
 
+#include "base/order.h"
+
 #include <stdlib.h>
 
 /// Elements of every node, in ascending order.
@@ -28,11 +30,6 @@ static LitheStatus list_elements(LitheCtx *ctx, LthCgDisc *d) {
   return LITHE_OK;
 }
 
-static int compare_index(const void *a, const void *b) {
-  LitheIndex i = *(const LitheIndex *)a, j = *(const LitheIndex *)b;
-  return i < j ? -1 : i > j;
-}
-
 /// Columns of a row, ascending; `seen` (n_nodes) marks those of rows before with their number.
 static LitheIndex row_columns(const LthCgDisc *d, LitheIndex row, LitheIndex *seen,
                               LitheIndex *col) {
@@ -46,7 +43,7 @@ static LitheIndex row_columns(const LthCgDisc *d, LitheIndex row, LitheIndex *se
       n++;
     }
   }
-  if (col) qsort(col, (size_t)n, sizeof *col, compare_index);
+  if (col) qsort(col, (size_t)n, sizeof *col, lth_compare_index);
   return n;
 }
 

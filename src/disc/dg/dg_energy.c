@@ -1,6 +1,8 @@
 /// Elastic energy with jumps and constraints, reactions, and stress at a point.
 #include "disc/dg/dg_priv.h"
 
+#include "material/stress.h"
+
 /// u = x - X0 of a cell (nb x 3): jumps of x and of u are the same, and u does not lose digits far away.
 static void cell_displacement(const LthDgOperator *op, LitheIndex cell, const double *x,
                               double *u) {
@@ -210,17 +212,10 @@ void lth_dg_reactions(LthDgOperator *op, double t, const double *x, double *reac
 void lth_dg_stress(const LthDgOperator *op, LitheIndex cell, const double *x, const double at[3],
                    double stress[6]) {
   const double *R = op->rotation + 9 * (LitheCount)cell;
-  double F[9], H[9], S[9], RS[9], T[9], Rt[9];
+  double F[9], H[9], Rt[9];
   lth_dg_sample_gradient(op->space, cell, x, at, F);
   lth_m3_transpose(R, Rt);
   lth_m3_mul(Rt, F, H);
   for (int i = 0; i < 9; i += 4) H[i] -= 1;
-  double trace = op->lambda[cell] * (H[0] + H[4] + H[8]);
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      S[3 * a + b] = op->mu[cell] * (H[3 * a + b] + H[3 * b + a]) + (a == b ? trace : 0);
-  lth_m3_mul(R, S, RS);
-  lth_m3_mul(RS, Rt, T);
-  static const int voigt[6] = {0, 4, 8, 5, 2, 1};
-  for (int i = 0; i < 6; i++) stress[i] = T[voigt[i]];
+  lth_turned_stress(R, H, op->lambda[cell], op->mu[cell], stress);
 }

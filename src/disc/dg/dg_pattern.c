@@ -1,13 +1,10 @@
 /// Which blocks of the stiffness matrix there are: cells and their neighbours through faces.
 #include "disc/dg/dg_operator.h"
 
+#include "base/order.h"
+
 #include <stdlib.h>
 #include <string.h>
-
-static int compare_index(const void *a, const void *b) {
-  LitheIndex x = *(const LitheIndex *)a, y = *(const LitheIndex *)b;
-  return (x > y) - (x < y);
-}
 
 /// Neighbours of a cell through faces and the cell itself, ascending, without repetition.
 static LitheIndex neighbours(const LthMesh *mesh, LitheIndex cell, LitheIndex *list) {
@@ -18,7 +15,7 @@ static LitheIndex neighbours(const LthMesh *mesh, LitheIndex cell, LitheIndex *l
     LitheIndex other = pair[0] == cell ? pair[1] : pair[0];
     if (other >= 0) list[n++] = other;
   }
-  qsort(list, (size_t)n, sizeof *list, compare_index);
+  qsort(list, (size_t)n, sizeof *list, lth_compare_index);
   for (LitheIndex i = 0; i < n; i++)
     if (i == 0 || list[i] != list[kept - 1]) list[kept++] = list[i];
   return kept;
