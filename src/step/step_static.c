@@ -8,7 +8,9 @@
 #define PLAIN_WINDOW 12      // iterations in which the plain fixed point must halve its residual
 #define INNER_TOLERANCE 1e-3 // of PCG within a rotation iteration
 #define ROUNDING (64 * 0x1p-53)
-#define DAMPING_START 1e-2 // c M over the diagonal of K
+#define STALLED_WINDOW 3               // iterations without a halved residual that may be rounding
+#define STALLED_ROUNDING (4 * 0x1p-53) // of places and of entries, next to |K| |x|
+#define DAMPING_START 1e-2             // c M over the diagonal of K
 #define DAMPING_GROWTH 4
 #define DAMPING_LOWEST 1e-10
 
@@ -20,6 +22,8 @@ typedef struct Search {
   double floor;    // residual that rounding leaves [N]
   double damping;  // c of c M + K [1/s^2], 0: plain
   double best;     // smallest residual so far, its state in s->best
+  double lowest;   // smallest residual of this pass [N]
+  int stalled;     // iterations since it last halved
 } Search;
 
 /// Size of the diagonal of K per mass [1/s^2]: what c is measured in.
@@ -103,8 +107,35 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   return LITHE_OK;
 }
 
-static bool is_balanced(const LthSimulation *s, const Search *q) {
-  return q->residual <= s->options.newton_tolerance * q->scale || q->residual <= q->floor;
+/// Residual that rounding leaves [N]: the norm of |K| |x| + |f0|, which f_int is the difference of, times a few
+/// units. Places carry 16 digits, so that far from the origin, and where K is large (high degrees), no state
+/// is nearer to balance. Overwrites s->base.
+static double rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
+  const LthBlockMatrix *A = s->A;
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
+  for (LitheIndex row = 0; row < A->n_rows; row++) {
+    LitheCount first = A->row_off[row], m = A->row_off[row + 1] - first;
+    for (LitheCount i = 0; i < m; i++) {
+      double size = fabs(s->f0[first + i]);
+      for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+        LitheCount at = A->row_off[A->block_col[e]], n = A->row_off[A->block_col[e] + 1] - at;
+        const double *B = A->values + A->value_off[e] + i * n;
+        for (LitheCount j = 0; j < n; j++) size += fabs(B[j] * s->x[at + j]);
+      }
+      s->base[first + i] = size;
+    }
+  }
+  return STALLED_ROUNDING * lth_step_norm(ctx, s->n, s->base);
+}
+
+/// Whether forces balance to the tolerance, or as far as rounding lets them: a residual that has stopped
+/// falling may be rounding, and is if it is of that size.
+static bool is_balanced(LitheCtx *ctx, LthSimulation *s, Search *q) {
+  if (q->residual <= s->options.newton_tolerance * q->scale || q->residual <= q->floor) return true;
+  q->stalled = q->residual < 0.5 * q->lowest ? 0 : q->stalled + 1;
+  q->lowest = fmin(q->lowest, q->residual);
+  return q->stalled >= STALLED_WINDOW && q->residual <= rounding_of_forces(ctx, s);
 }
 
 /// x += the solution of (c M + K) dx = force.
@@ -145,6 +176,8 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
   double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
   if (s->solver == LTH_LINEAR_CHOLESKY || !s->system->warped) inner = s->options.tolerance;
   q->damping = 0;
+  q->lowest = INFINITY;
+  q->stalled = 0;
   *balanced = false;
   lth_anderson_reset(s->anderson);
   for (LitheIndex it = 0; it <= s->options.newton_iterations; it++) {
@@ -152,7 +185,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     LITHE_TRY(evaluate(ctx, s, q));
     if (!isfinite(q->residual) || (plain && s->contact_on)) return LITHE_OK;
     keep_best(s, q);
-    *balanced = is_balanced(s, q) && (it > 0 || !s->system->has_held);
+    *balanced = is_balanced(ctx, s, q) && (it > 0 || !s->system->has_held);
     if (*balanced || it == s->options.newton_iterations) return LITHE_OK;
     if (plain && it % PLAIN_WINDOW == PLAIN_WINDOW - 1) {
       if (!(q->best < 0.5 * window_start)) return LITHE_OK;

@@ -19,6 +19,21 @@ time: static
 output: {every: last, fields: [none]}
 """
 
+STEEL = """lithe: 1
+bodies:
+  - name: beam
+    shape: {box: {min: [0, 0, 0], max: [1, 0.1, 0.2]}}
+    material: {model: linear, young_modulus: 210 GPa, poisson_ratio: 0.3}
+    method: {kind: cg, cells: [10, 2, 2], degree: 2}
+    place: {translate: %s}
+    constraints:
+      - {where: {normal: [-1, 0, 0]}, displacement: [0, 0, 0]}
+    loads:
+      - {where: {normal: [1, 0, 0]}, total_force: [0, 0, -500 N]}
+time: static
+output: {fields: none}
+"""
+
 BALL = """lithe: 1
 bodies:
   - name: ball
@@ -89,6 +104,14 @@ with folder() as scratch:
     forecast = run("check", "scene.yaml", *CG, cwd=scratch)
     expect("a check counts the same unknowns", forecast.returncode == 0 and "1275" in forecast.stdout,
            forecast.stdout + forecast.stderr)
+
+with folder() as scratch:
+    write(scratch, STEEL % "[0, 0, 0]")
+    here = result(scratch)
+    write(scratch, STEEL % "[100, 50, -30]")
+    there = result(scratch)
+    expect("a stiff beam far from the origin bends as it does there", isinstance(there, dict) and
+           abs(there["displacement"]["max"] / here["displacement"]["max"] - 1) < 1e-6, there)
 
 with folder() as scratch:
     write(scratch, BALL)
