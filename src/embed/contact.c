@@ -141,9 +141,13 @@ void lth_touch_remember(LthContact *c, LthTouch *touch, double v[3]) {
   while (c->before_at < c->n_before && compare(&c->before[c->before_at], touch) < 0) c->before_at++;
   if (c->before_at == c->n_before) return;
   const LthTouch *old = &c->before[c->before_at];
-  if (compare(old, touch) != 0 || !old->active) return;
-  touch->limit = old->limit;
-  for (int i = 0; i < 3; i++) v[i] = 2 * v[i] - old->start[i];
+  if (compare(old, touch) != 0) return;
+  touch->anchored = old->active || (c->look > LTH_LOOK_FIRST && old->anchored);
+  if (!touch->anchored) return;
+  if (c->look == LTH_LOOK_STEP) {
+    touch->limit = old->limit;
+    for (int i = 0; i < 3; i++) v[i] = 2 * v[i] - old->start[i];
+  }
   lth_v3_copy(old->anchor, touch->anchor);
   touch->anchor_tri = old->anchor_tri;
 }
@@ -181,10 +185,14 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
     lth_embedding_sample(c->side[s].points, lth_threads(ctx), v + c->side[s].first_dof,
                          c->side[s].sample_value);
   }
-  c->t = t, c->dt = dt, c->round = 0, c->friction_round = 0;
+  // where colliders were at the end of the step before, for anchors: an equilibrium's own time, or now
+  if (!c->is_search) c->t = t;
+  c->is_search = c->look != LTH_LOOK_STEP;
+  c->dt = dt, c->round = 0, c->friction_round = 0;
   if (c->kind->begin) c->kind->begin(c);
   adapt_stiffness(c);
-  move_anchors(c);
+  if (c->look <= LTH_LOOK_FIRST) move_anchors(c);
+  c->t = t;
   swap_lists(c);
   LITHE_TRY(c->kind->find_near(ctx, c));
   LITHE_TRY(lth_contact_reserve(ctx, c));
@@ -204,5 +212,7 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
 }
 
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }
+
+void lth_contact_set_look(LthContact *c, LthContactLook look) { c->look = look; }
 
 void lth_contact_set_weight(LthContact *c, double weight) { c->weight = weight; }

@@ -70,6 +70,20 @@ int lth_contact_sides(const LthContact *contact);
 /// Where a body stands in the vectors and diagonal blocks given to the functions below; 0 at first.
 void lth_contact_place(LthContact *contact, int side, LitheCount first_dof, LitheCount first_block);
 
+/// What points are looked for: a time step, or an equilibrium at t, for the first time or once more in the same
+/// search. In a search colliders stand where they are at t, friction's springs stay where they are fixed, also those of
+/// points that part and come back, and their limits are those of the present gaps: forces follow from the
+/// displacement alone, whatever the search has tried before. dt is 1 and v zero there.
+typedef enum LthContactLook {
+  LTH_LOOK_STEP,
+  LTH_LOOK_FIRST,
+  LTH_LOOK_AGAIN,
+  LTH_LOOK_NEAR ///< again, near an equilibrium: friction by its tangent, not its secant
+} LthContactLook;
+
+/// For the next lth_contact_detect(); a step at first.
+void lth_contact_set_look(LthContact *contact, LthContactLook look);
+
 /// Find the points that may touch in the step t -> t + dt, from displacement u and velocity v
 /// (coefficients). Returns the number of those that are active at first: in a collider if they went on as
 /// they do. Also ends the step before: sliding points take their anchors along. Allocates only when more

@@ -11,6 +11,7 @@ void lth_contact_archive(LthContact *c, LthArchive *a) {
   lth_archive_mark(a, "contact");
   LTH_ARCHIVE(a, c->t);
   LTH_ARCHIVE(a, c->dt);
+  LTH_ARCHIVE(a, c->is_search);
   LTH_ARCHIVE(a, c->stiffness);
   LTH_ARCHIVE(a, c->growth);
   LTH_ARCHIVE(a, c->penetration);

@@ -9,13 +9,23 @@
 #define REACH_CELLS 0.1 ///< of a cell: how far beyond a straight step points are watched
 #define REACH_STEPS 2   ///< straight steps that they are watched for
 #define FACING 0.3      ///< largest cosine between the normals of what touches
-#define FAST 0.5        ///< of the thinner body in a step: faster ones may pass through each other
+#define CHANGES_MAX                                                                                \
+  3 ///< of triangle within a search for an equilibrium, then a point keeps the one it has
+#define FAST 0.5 ///< of the thinner body in a step: faster ones may pass through each other
 
 /// The point of the other body's surface that a point may touch.
 typedef struct Hit {
   LitheIndex tri; ///< -1: none
   double point[3], normal[3], gap;
+  bool held; ///< to the plane of its triangle, perhaps beside it
 } Hit;
+
+/// What a point has met in a search for an equilibrium. Inside facets the nearest triangle, and the normal with it,
+/// jumps: a point that is pushed over an edge by either of two triangles would go to and fro for ever.
+typedef struct Hold {
+  LitheIndex tri; ///< last one met inside, -1
+  int changes;
+} Hold;
 
 /// A body's surface as it is now, and what its points meet.
 typedef struct PairSide {
@@ -24,6 +34,7 @@ typedef struct PairSide {
   LthBvh *bvh;
   LitheIndex *home; ///< of each point: its point of the surface, or -1 - triangle (n_points)
   Hit *hit;         ///< (n_points)
+  Hold *hold;       ///< (n_points)
   double *velocity; ///< (n_points x 3)
   double mean[3], spread, box[6];
 } PairSide;
@@ -42,6 +53,7 @@ static void pair_destroy(LitheCtx *ctx, LthContact *c) {
     lth_free(ctx, pair->side[s].surface.points);
     lth_free(ctx, pair->side[s].home);
     lth_free(ctx, pair->side[s].hit);
+    lth_free(ctx, pair->side[s].hold);
     lth_free(ctx, pair->side[s].velocity);
   }
   lth_free(ctx, pair);
@@ -71,6 +83,7 @@ static LitheStatus create_side(LitheCtx *ctx, const LthPairSide *def, PairSide *
   memcpy(s->surface.points, def->surface->points, sizeof(double) * n);
   LITHE_TRY(lth_bvh_create_surface(ctx, &s->surface, &s->bvh));
   LTH_NEW(ctx, s->hit, def->points->n_points);
+  LTH_NEW(ctx, s->hold, def->points->n_points);
   LTH_NEW(ctx, s->velocity, 3 * (LitheCount)def->points->n_points);
   return find_homes(ctx, s);
 }
@@ -163,7 +176,7 @@ static bool faces(const void *self, LitheIndex tri) {
 static void seek(const Seeker *seeker, const double x[3], double reach, double depth, Hit *hit) {
   const LthBvh *bvh = seeker->bvh;
   LthBvhPoint closest;
-  hit->tri = -1;
+  hit->tri = -1, hit->held = false;
   if (lth_box_distance2(bvh->box, x) > reach * reach) return;
   if (!lth_bvh_closest(bvh, x, fmax(reach, depth), NULL, NULL, &closest)) return;
   hit->gap = lth_bvh_gap(bvh, x, &closest, hit->normal);
@@ -180,6 +193,23 @@ static void seek(const Seeker *seeker, const double x[3], double reach, double d
   lth_v3_copy(closest.point, hit->point);
 }
 
+/// Points that have changed their triangle too often keep to its plane, until their foot is far beside it.
+static void hold_on(const PairSide *other, const double x[3], bool first, Hold *hold, Hit *hit) {
+  if (first) *hold = (Hold){.tri = -1};
+  bool inside = hit->tri >= 0 && hit->gap < 0, changed = inside && hold->tri != hit->tri;
+  if (hold->tri >= 0 && hold->changes >= CHANGES_MAX) {
+    Hit held = {.tri = hold->tri, .held = true};
+    if (lth_meet_plane(other->bvh, hold->tri, x, &held.gap, held.point)) {
+      lth_v3_copy(other->bvh->tri_normal + 3 * (size_t)hold->tri, held.normal);
+      *hit = held;
+      return;
+    }
+    hold->changes = 0;
+  }
+  if (changed && hold->tri >= 0) hold->changes++;
+  if (changed) hold->tri = hit->tri;
+}
+
 /// What all points of side s meet that is as near as they may go.
 static void find_hits(const LthContact *c, int s) {
   const LthPair *pair = c->self;
@@ -194,32 +224,16 @@ static void find_hits(const LthContact *c, int s) {
     double reach = REACH_STEPS * c->dt * way + REACH_CELLS * c->cell_size;
     Seeker seeker = {.bvh = other->bvh};
     own_normal(mine, p, seeker.normal);
-    seek(&seeker, c->side[s].position + 3 * (size_t)p, reach, pair->depth, &mine->hit[p]);
+    const double *x = c->side[s].position + 3 * (size_t)p;
+    seek(&seeker, x, reach, pair->depth, &mine->hit[p]);
+    if (c->look != LTH_LOOK_STEP)
+      hold_on(other, x, c->look == LTH_LOOK_FIRST, &mine->hold[p], &mine->hit[p]);
   }
-}
-
-/// Weights of a triangle's corners in one of its points.
-static void corner_weights(const LthSurface *s, LitheIndex tri, const double x[3], double w[3]) {
-  const double *p[3];
-  double n[3], e1[3], e2[3], r[3], t[3];
-  for (int k = 0; k < 3; k++) p[k] = s->points + 3 * (size_t)s->tris[3 * (size_t)tri + (size_t)k];
-  lth_v3_sub(p[1], p[0], e1);
-  lth_v3_sub(p[2], p[0], e2);
-  lth_v3_sub(x, p[0], r);
-  lth_v3_cross(e1, e2, n);
-  double nn = lth_v3_dot(n, n);
-  w[0] = 1, w[1] = w[2] = 0;
-  if (!(nn > 0)) return;
-  lth_v3_cross(r, e2, t);
-  w[1] = fmin(fmax(lth_v3_dot(t, n) / nn, 0), 1);
-  lth_v3_cross(e1, r, t);
-  w[2] = fmin(fmax(lth_v3_dot(t, n) / nn, 0), 1 - w[1]);
-  w[0] = 1 - w[1] - w[2];
 }
 
 static void set_anchor(const PairSide *other, LthTouch *touch, LitheIndex tri, const double x[3]) {
   touch->anchor_tri = tri;
-  corner_weights(&other->surface, tri, x, touch->anchor);
+  lth_corner_weights(&other->surface, tri, x, touch->anchor);
 }
 
 static void pair_move_anchor(const LthContact *c, LthTouch *touch, const double x[3]) {
@@ -248,7 +262,10 @@ static void set_offset(const LthContact *c, const PairSide *other, LthTouch *tou
 /// The point and the corners that carry its counterpart.
 static void set_legs(const PairSide *other, const Hit *hit, LthTouch *touch) {
   double w[3];
-  corner_weights(&other->surface, hit->tri, hit->point, w);
+  if (hit->held)
+    lth_plane_weights(&other->surface, hit->tri, hit->point, w);
+  else
+    lth_corner_weights(&other->surface, hit->tri, hit->point, w);
   touch->n_legs = 4;
   touch->leg[0] = (LthLeg){touch->side, touch->point, 1};
   for (int k = 0; k < 3; k++) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "embed/contact.h"
+#include "geometry/bvh.h"
 
 /// An embedded point that takes part in a touch, with its weight in the relative velocity.
 typedef struct LthLeg {
@@ -21,7 +22,8 @@ typedef struct LthTouch {
   int n_legs;
   LthLeg leg[LTH_LEGS_MAX]; ///< the first is the point itself, weight 1
   bool active;
-  double gap; ///< of the start place to the collider at the end of the step [m]
+  bool anchored; ///< has been active in this search for an equilibrium
+  double gap;    ///< of the start place to the collider at the end of the step [m]
   double normal[3];
   double stiffness;      ///< k times the point's area [N/m]
   double velocity[3];    ///< of the collider's material there [m/s]
@@ -80,7 +82,9 @@ struct LthContact {
   bool is_auto;
   double stiffness; ///< per area or per point
   double t, dt;
-  double weight; ///< time that forces act over dt; 1, or 2 where dt is half a step
+  LthContactLook look;
+  bool is_search; ///< the last look was for an equilibrium
+  double weight;  ///< time that forces act over dt; 1, or 2 where dt is half a step
   int round, friction_round;
   double penetration, force, last_penetration;
   double growth; ///< of an automatic stiffness since the start
@@ -121,10 +125,28 @@ double lth_contact_fastest(const LthContactSide *side);
 /// Smallest box that holds all points of a side.
 void lth_contact_box(const LthContactSide *side, double box[6]);
 
+/// When the step ends: in a search for an equilibrium no time passes.
+static inline double lth_contact_end(const LthContact *c) {
+  return c->look == LTH_LOOK_STEP ? c->t + c->dt : c->t;
+}
+
 /// Share of the stiffness of a point [N/m].
 static inline double lth_contact_share(const LthContact *c, const LthEmbedding *e, LitheIndex p) {
   return c->stiffness * (e->area ? e->area[p] : 1);
 }
+
+// contact_foot.c
+
+/// Weights of a triangle's corners in the foot of x on its plane: also below zero, their sum is one.
+void lth_plane_weights(const LthSurface *surface, LitheIndex tri, const double x[3], double w[3]);
+
+/// The same for a point of the triangle, where only rounding is below zero.
+void lth_corner_weights(const LthSurface *surface, LitheIndex tri, const double x[3], double w[3]);
+
+/// The foot of x on the plane of a triangle, and the gap [m]: true where x is behind the plane and the foot not far
+/// beside the triangle.
+bool lth_meet_plane(const LthBvh *bvh, LitheIndex tri, const double x[3], double *gap,
+                    double foot[3]);
 
 // contact_system.c
 

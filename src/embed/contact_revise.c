@@ -11,6 +11,18 @@ static void add_outer(double s, const double a[3], double D[9]) {
   for (int i = 0; i < 9; i++) D[i] += s * a[i / 3] * a[i % 3];
 }
 
+/// The tangent of a spring at its limit, which keeps its force and turns: near an equilibrium the secant of (3) would
+/// hold back what slides, far from one it keeps steps from going too far.
+static void linearize_sliding(LthTouch *touch, double acts, double dt) {
+  double along[3], gone[3];
+  if (!(touch->spring < touch->stiffness)) return;
+  lth_v3_copy(touch->trial, along);
+  lth_v3_normalize(along);
+  lth_v3_sub(touch->trial, touch->offset, gone);
+  add_outer(-acts * dt * touch->spring, along, touch->D);
+  lth_v3_axpy(-acts * touch->spring * lth_v3_dot(along, gone), along, touch->r);
+}
+
 void lth_touch_linearize(const LthContact *c, LthTouch *touch) {
   const double dt = c->dt, acts = c->weight * dt, k = touch->stiffness, damping = c->damping * k;
   const double *n = touch->normal;
@@ -23,6 +35,7 @@ void lth_touch_linearize(const LthContact *c, LthTouch *touch) {
   for (int i = 0; i < 3; i++) touch->D[4 * i] += acts * dt * touch->spring;
   add_outer(-acts * dt * touch->spring, n, touch->D);
   lth_v3_axpy(-acts * touch->spring, touch->offset, touch->r);
+  if (c->look == LTH_LOOK_NEAR) linearize_sliding(touch, acts, dt);
 }
 
 void lth_touch_stretch(const LthContact *c, LthTouch *touch, const double v[3]) {

@@ -129,7 +129,7 @@ static LitheStatus rigid_find_near(LitheCtx *ctx, LthContact *c) {
   lth_contact_box(&c->side[0], body);
   for (LitheIndex k = 0; k < r->n_colliders; k++) {
     LthPose now = lth_collider_pose(&r->colliders[k], c->t);
-    LthPose next = lth_collider_pose(&r->colliders[k], c->t + c->dt);
+    LthPose next = lth_collider_pose(&r->colliders[k], lth_contact_end(c));
     if (is_far(&r->colliders[k], &next, body, reach)) continue;
     find_gaps(c, &r->colliders[k], &next, reach);
     LITHE_TRY(collect(ctx, c, k, &now, &next));

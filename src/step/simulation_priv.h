@@ -147,9 +147,10 @@ void lth_step_tally(LthSimulation *s);
 /// unless it stands.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
-/// Contact of all bodies in the step t -> t + dt, forces acting over weight dt: how many points are active at first.
-LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, double t, double dt, double weight,
-                            LitheIndex *n_active);
+/// Contact of all bodies in the step t -> t + dt, forces acting over weight dt, or in a look for an equilibrium: how
+/// many points are active at first.
+LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look, double t,
+                            double dt, double weight, LitheIndex *n_active);
 
 /// Contact's part of the system: y += C x, rhs += its forces, and the diagonal blocks of C (n_extra).
 void lth_step_contact_apply(const LthSimulation *s, const double *x, double *y);

@@ -4,12 +4,13 @@
 #include <math.h>
 #include <string.h>
 
-LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, double t, double dt, double weight,
-                            LitheIndex *n_active) {
+LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look, double t,
+                            double dt, double weight, LitheIndex *n_active) {
   *n_active = 0;
   if (s->has_contact) lth_simulation_displacement(s);
   for (LitheIndex c = 0; c < s->system->n_contacts; c++) {
     LitheIndex n = 0;
+    lth_contact_set_look(s->system->contacts[c], look);
     lth_contact_set_weight(s->system->contacts[c], weight);
     LITHE_TRY(lth_contact_detect(ctx, s->system->contacts[c], t, dt, s->u, s->v, &n));
     *n_active += n;

@@ -90,7 +90,7 @@ static LitheStatus detect(LitheCtx *ctx, LthSimulation *s) {
   const LthStage *g = &s->stage;
   LitheIndex n_active = 0;
   memcpy(s->x, g->x_hat, sizeof *s->x * (size_t)s->n);
-  return lth_step_detect(ctx, s, g->t1 - g->H, g->H, g->contact_weight, &n_active);
+  return lth_step_detect(ctx, s, LTH_LOOK_STEP, g->t1 - g->H, g->H, g->contact_weight, &n_active);
 }
 
 /// s->x = x^ + H solution, linearized there, and how far the solution is from solving that.

@@ -13,6 +13,10 @@
 #define DAMPING_START 1e-2             // c M over the diagonal of K
 #define DAMPING_GROWTH 4
 #define DAMPING_LOWEST 1e-10
+#define NEAR 1e-2          // residual over the forces' size, for contact by its tangent
+#define REJECTED 1.2       // times the best residual: go back ...
+#define REJECTED_FROM 1e-5 // ... and damp from there on, c M over the diagonal of K ...
+#define REJECTED_GROWTH 16 // ... this much more
 
 /// Where an equilibrium search stands.
 typedef struct Search {
@@ -21,9 +25,11 @@ typedef struct Search {
   double scale;    // size of the forces that balance [N]
   double floor;    // residual that rounding leaves [N]
   double damping;  // c of c M + K [1/s^2], 0: plain
-  double best;     // smallest residual so far, its state in s->best
   double lowest;   // smallest residual of this pass [N]
   int stalled;     // iterations since it last halved
+  LthContactLook look;
+  double best; // smallest residual so far, its state in s->best
+  bool best_touches;
 } Search;
 
 /// Size of the diagonal of K per mass [1/s^2]: what c is measured in.
@@ -40,10 +46,10 @@ static double stiffness_per_mass(const LthSimulation *s) {
   return mass > 0 ? stiffness / mass : 0;
 }
 
-/// Contact at rest, as a step of length one that ends at t: its forces then come unscaled.
-static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, double t, double *f) {
+/// Contact at rest, as in a step of length one: its forces then come unscaled.
+static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, Search *q, double *f) {
   LitheIndex n_active = 0;
-  LITHE_TRY(lth_step_detect(ctx, s, t - 1, 1, 1, &n_active));
+  LITHE_TRY(lth_step_detect(ctx, s, q->look, q->t, 1, 1, &n_active));
   if (n_active > 0) lth_step_contact_rhs(s, f);
   return LITHE_OK;
 }
@@ -93,7 +99,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   if (!s->system->warped || at_rest) displacement_force(ctx, s);
   LITHE_TRY(lth_step_drive(ctx, s, q->t, 1, s->x));
   memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
-  LITHE_TRY(contact_force(ctx, s, q->t, s->rhs));
+  LITHE_TRY(contact_force(ctx, s, q, s->rhs));
   double contact = lth_step_norm(ctx, s->n, s->rhs);
   double all = lth_step_norm(ctx, s->n, s->force);
 
@@ -104,6 +110,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   q->scale = force_scale(ctx, s, q->t, held, contact);
   q->floor = ROUNDING * (lth_step_norm(ctx, s->n, s->f0) + contact);
   s->report.residual = q->scale > 0 ? q->residual / q->scale : q->residual;
+  q->look = q->residual <= NEAR * q->scale ? LTH_LOOK_NEAR : LTH_LOOK_AGAIN;
   return LITHE_OK;
 }
 
@@ -156,9 +163,12 @@ static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, boo
   return LITHE_OK;
 }
 
+/// Bodies that do not touch yet may be closer to balance than those that do: what comes with contact goes first.
 static void keep_best(LthSimulation *s, Search *q) {
-  if (!(q->residual < q->best)) return;
+  bool comes = s->contact_on && !q->best_touches;
+  if (!(q->residual < q->best) && !comes) return;
   q->best = q->residual;
+  q->best_touches = s->contact_on;
   memcpy(s->best, s->x, sizeof *s->x * (size_t)s->n);
 }
 
@@ -170,11 +180,22 @@ static void adapt_damping(Search *q, double before, double unit) {
   q->damping = fmin(fmax(q->damping, DAMPING_LOWEST * unit), unit);
 }
 
+/// From a step that went too far back to the best state, and more damped on from there. Contact may act otherwise there
+/// by now: what is best starts anew.
+static LitheStatus go_back(LitheCtx *ctx, LthSimulation *s, Search *q, double unit) {
+  memcpy(s->x, s->best, sizeof *s->x * (size_t)s->n);
+  LITHE_TRY(evaluate(ctx, s, q));
+  q->best = q->residual;
+  q->damping = fmin(fmax(q->damping, REJECTED_FROM * unit) * REJECTED_GROWTH, unit);
+  return LITHE_OK;
+}
+
 /// One pass of the search. Ends balanced, out of iterations, or, where plain, as soon as something touches,
 /// the residual no longer halves within a window, or the linear solver finds no way on.
 static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
   double window_start = INFINITY, inner = INNER_TOLERANCE, unit = 0;
   if (s->solver == LTH_LINEAR_CHOLESKY || !s->system->warped) inner = s->options.tolerance;
+  bool was_back = false;
   q->damping = 0;
   q->lowest = INFINITY;
   q->stalled = 0;
@@ -184,15 +205,19 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     double before = q->residual;
     LITHE_TRY(evaluate(ctx, s, q));
     if (!isfinite(q->residual) || (plain && s->contact_on)) return LITHE_OK;
-    keep_best(s, q);
-    *balanced = is_balanced(ctx, s, q) && (it > 0 || !s->system->has_held);
+    bool is_driven = it > 0 || !s->system->has_held;
+    bool back = !plain && !was_back && q->best_touches && q->residual > REJECTED * q->best;
+    if (back) LITHE_TRY(go_back(ctx, s, q, unit));
+    was_back = back;
+    if (is_driven) keep_best(s, q);
+    *balanced = is_driven && is_balanced(ctx, s, q);
     if (*balanced || it == s->options.newton_iterations) return LITHE_OK;
     if (plain && it % PLAIN_WINDOW == PLAIN_WINDOW - 1) {
       if (!(q->best < 0.5 * window_start)) return LITHE_OK;
       window_start = q->best;
     }
     if (!plain && it == 0) q->damping = DAMPING_START * (unit = stiffness_per_mass(s));
-    if (!plain && it > 0) adapt_damping(q, before, unit);
+    if (!plain && it > 0 && !back) adapt_damping(q, before, unit);
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LitheStatus status = correct(ctx, s, q, plain, inner);
     bool has_other_way = s->system->warped || s->has_contact;
@@ -239,10 +264,11 @@ static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool
 
 LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t) {
   bool balanced = false, before = s->report.converged;
-  Search q = {.t = t, .best = INFINITY};
+  Search q = {.t = t, .best = INFINITY, .look = LTH_LOOK_FIRST};
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   LITHE_TRY(allocate(ctx, s));
   memcpy(s->start, s->x, bytes);
+  memcpy(s->best, s->x, bytes);
   memcpy(s->f_before, s->f_ext, bytes);
   memset(s->v, 0, bytes);
   s->report.newton_iterations = 0;

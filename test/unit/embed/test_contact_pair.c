@@ -378,6 +378,47 @@ static void excluded_points_do_not_touch(void **state) {
   free(u), free(v), free(excluded[0]), free(excluded[1]);
 }
 
+/// Contact's forces (zeros(f)) with blocks 0 and 1 moved by d, in a look for an equilibrium.
+static double *forces_at(Fixture *f, LthContact *c, LthContactLook look, const double d[6]) {
+  double *u = zeros(f), *v = zeros(f), *y = zeros(f);
+  LitheIndex active;
+  translate(f, d, u);
+  lth_contact_set_look(c, look);
+  CHECK_OK(f->ctx, lth_contact_detect(f->ctx, c, 0, 1, u, v, &active));
+  lth_contact_add_rhs(c, y);
+  free(u), free(v);
+  return y;
+}
+
+/// In a search friction pulls by how far a point is from where it was first met, whatever was tried in between: far
+/// to one side, apart, far to the other side; and no more than its limit.
+static void a_search_for_an_equilibrium_leaves_no_trace_in_the_forces(void **state) {
+  Fixture *f = *state;
+  add_block(f, (double[]){-0.1, 0, -0.1}, (double[]){0.1, 0.1, 0.1}, 2, 1000);
+  add_block(f, (double[]){-0.043, 0.1, -0.047}, (double[]){0.052, 0.2, 0.041}, 2, 1000);
+  LthContact *c = touch(f, 0, 1, 0.3);
+  const double tried[][6] = {{0, 0, 0, 0.005, -0.002, 0},
+                             {0, 0, 0, -0.005, 0.001, 0.002},
+                             {0, 0, 0, -0.004, -0.001, -0.003}};
+  const double at[6] = {0, 0, 0, 2e-5, -0.001, 1e-5};
+  free(forces_at(f, c, LTH_LOOK_FIRST, (double[]){0, 0, 0, 0, -0.001, 0}));
+  double *before = forces_at(f, c, LTH_LOOK_AGAIN, at), force[3 * BODIES];
+  net(f, before, force);
+  CHECK_NEAR(force[3] / force[4], -0.02, 1e-9); // a spring as stiff as the normal's
+  CHECK_NEAR(force[5] / force[4], -0.01, 1e-9);
+  for (int k = 0; k < 3; k++) {
+    double *y = forces_at(f, c, k == 1 ? LTH_LOOK_AGAIN : LTH_LOOK_NEAR, tried[k]);
+    net(f, y, force);
+    double pull = hypot(force[3], force[5]);
+    CHECK_NEAR(pull, 0.3 * force[4], 1e-9 * (pull + fabs(force[4])));
+    free(y);
+  }
+  double *after = forces_at(f, c, LTH_LOOK_AGAIN, at);
+  for (LitheCount i = 0; i < f->first[2]; i++)
+    CHECK_NEAR(after[i], before[i], 1e-9 * fabs(force[4]));
+  free(before), free(after);
+}
+
 /// Where a point sinks between those of a coarse one, the other's surface holds it.
 static void refining_keeps_the_surface(void **state) {
   Fixture *f = *state;
@@ -407,6 +448,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(friction_between_bodies_holds_and_slides, setup, teardown),
       cmocka_unit_test_setup_teardown(a_thin_plate_pushes_back_on_the_side_that_is_touched, setup,
                                       teardown),
+      cmocka_unit_test_setup_teardown(a_search_for_an_equilibrium_leaves_no_trace_in_the_forces,
+                                      setup, teardown),
       cmocka_unit_test_setup_teardown(excluded_points_do_not_touch, setup, teardown),
       cmocka_unit_test_setup_teardown(refining_keeps_the_surface, setup, teardown)};
   return cmocka_run_group_tests(tests, NULL, NULL);
