@@ -27,6 +27,15 @@ typedef struct TieSprings {
   double *y, *at; ///< scratch                                          (K->n)
 } TieSprings;
 
+/// Whether a piece at distance2 from x lies in front of it rather than beside it. Nearest points on an edge are in
+/// front where the way to them is within 60 degrees of the normal, or no longer than rounding.
+static bool is_in_front(const LthFaceView *view, double area, const double x[3], double distance2) {
+  double d[3];
+  lth_v3_sub(x, view->points + 3 * (size_t)view->loop_point[view->loop_off[0]], d);
+  double height = lth_v3_dot(d, view->normal);
+  return distance2 <= fmax(4 * height * height, 1e-12 * area);
+}
+
 /// A search for the piece of the other body that faces a point.
 typedef struct Seeker {
   const LthTieSide *other;
@@ -38,7 +47,9 @@ static double piece_distance2(void *self, LitheIndex i, const double x[3], doubl
   LthFaceView view = lth_patches_view(s->other->disc->mesh, s->other->patches, i);
   (void)limit;
   if (s->normal && lth_v3_dot(s->normal, view.normal) > FACING) return INFINITY;
-  return lth_face_distance2(&view, x);
+  double distance2 = lth_face_distance2(&view, x);
+  bool faces = !s->normal || is_in_front(&view, s->other->patches->area[i], x, distance2);
+  return faces ? distance2 : INFINITY;
 }
 
 /// What the springs of one tie have in common.

@@ -117,6 +117,24 @@ def hertz_force(depth):
     return low
 
 
+# a block on a larger one: coincident faces of 0.25 m^2, with nodes of the lower one close beside them
+SMALLER = """lithe: 1
+bodies:
+  - name: low
+    shape: {box: {min: [0, 0, 0], max: [1, 1, 0.5]}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3}
+    method: {kind: %s, cells: [4, 4, 2]}
+    constraints: [{where: {normal: [0, 0, -1]}, displacement: [0, 0, 0]}]
+  - name: up
+    shape: {box: {min: [0.25, 0.25, 0.5], max: [0.75, 0.75, 1]}}
+    material: {model: linear, young_modulus: 1e6, poisson_ratio: 0.3}
+    method: {kind: cg, cells: [2, 2, 2]}
+    loads: [{where: {normal: [0, 0, 1]}, traction: [0, 0, 1000]}]
+tie: [{bodies: [low, up]}]
+time: static
+output: {fields: none}
+"""
+
 TIED = """lithe: 1
 bodies:
   - name: left
@@ -264,6 +282,10 @@ with folder() as d:
     gap = solve(d, "gap", (BENT % ("0.5", 4, RIGHT)).replace("min: [0.5, 0, 0]", "min: [0.501, 0, 0]"))
     expect("springs_bridge_a_gap", gap["ties"][0]["faces"] == 0 and gap["ties"][0]["springs"] > 0 and
            near(gap["displacement"]["max"], whole["displacement"]["max"], 0.03), (gap["ties"], gap["displacement"]))
+    for kind in ("dg", "cg"):
+        beside = solve(d, "smaller", SMALLER % kind)
+        expect("springs_leave_out_what_lies_beside: " + kind, near(beside["ties"][0]["spring_area"], 0.25, 1e-12) and
+               near(beside["reaction"]["bodies.0.constraints.0"][2], -250, 1e-6), beside["ties"])
 
     def refuse(name, text, message):
         write(d, "bad.yaml", text)
