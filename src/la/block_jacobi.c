@@ -113,6 +113,22 @@ LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthB
   return LITHE_OK;
 }
 
+#define TWELVE 12
+
+/// As apply_block() for n = 12, to the bit.
+LTH_CLONES
+static void apply_block_12(const double *restrict B, const double *restrict r, double *restrict z) {
+  const Lane r0 = *(const Lane *)r, r1 = *(const Lane *)(r + 4), r2 = *(const Lane *)(r + 8);
+#pragma GCC unroll 12
+  for (int i = 0; i < TWELVE; i++) {
+    Lane s = {0};
+    s += *(const Lane *)(B + TWELVE * i) * r0;
+    s += *(const Lane *)(B + TWELVE * i + 4) * r1;
+    s += *(const Lane *)(B + TWELVE * i + 8) * r2;
+    z[i] = (s[0] + s[1]) + (s[2] + s[3]);
+  }
+}
+
 /// z = B r for a symmetric dense block.
 LTH_CLONES
 static void apply_block(int n, const double *restrict B, const double *restrict r,
@@ -130,8 +146,13 @@ static void apply_block(int n, const double *restrict B, const double *restrict 
 
 void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const double *r,
                                 double *z) {
-  apply_block((int)(M->row_off[row + 1] - M->row_off[row]), M->inv + M->inv_off[row],
-              r + M->row_off[row], z + M->row_off[row]);
+  const double *B = M->inv + M->inv_off[row];
+  const LitheCount at = M->row_off[row];
+  const int n = (int)(M->row_off[row + 1] - at);
+  if (n == TWELVE)
+    apply_block_12(B, r + at, z + at);
+  else
+    apply_block(n, B, r + at, z + at);
 }
 
 const double *lth_block_jacobi_inverse(const LthBlockJacobi *M, LitheIndex row) {

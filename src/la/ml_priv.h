@@ -35,6 +35,7 @@ typedef struct LthLevel {
   const LthBlockMatrix *A;
   LthBlockMatrix *own; ///< A, but on the finest level
   LthBlockJacobi *jacobi;
+  int size;              ///< unknowns of a block row, 0 where they differ
   const double *extra;   ///< added to the diagonal blocks of A, or NULL; borrowed
   LitheCount *extra_off; ///< its blocks                                 (n_rows + 1)
   LthColours colours;

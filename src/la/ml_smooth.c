@@ -76,12 +76,86 @@ done:
 
 static inline double lane_sum(const Lane *s) { return ((*s)[0] + (*s)[1]) + ((*s)[2] + (*s)[3]); }
 
+#define LANE_AT(from) (*(const Lane *)(from))
+#define TWELVE 12
+
+/// As row_residual() where all blocks are 12 x 12: a block is read from its first value to its last.
+LTH_CLONES
+static void row_residual_12(const LthLevel *l, LitheIndex row, int low, int high, int skip,
+                            const double *restrict b, const double *restrict x,
+                            double *restrict y) {
+  const LthBlockMatrix *A = l->A;
+  const int *restrict colour = l->colours.colour;
+  Lane s[TWELVE];
+  for (int r = 0; r < TWELVE; r++) s[r] = (Lane){0};
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+    const LitheIndex col = A->block_col[e];
+    if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
+    const double *restrict B = A->values + A->value_off[e];
+    const double *xc = x + A->row_off[col];
+    const Lane x0 = *(const Lane *)xc, x1 = *(const Lane *)(xc + 4), x2 = *(const Lane *)(xc + 8);
+#pragma GCC unroll 12
+    for (int r = 0; r < TWELVE; r++) {
+      s[r] += LANE_AT(B + TWELVE * r) * x0;
+      s[r] += LANE_AT(B + TWELVE * r + 4) * x1;
+      s[r] += LANE_AT(B + TWELVE * r + 8) * x2;
+    }
+  }
+  const LitheCount at = A->row_off[row];
+#pragma GCC unroll 12
+  for (int r = 0; r < TWELVE; r++) y[at + r] = (b ? b[at + r] : 0) - lane_sum(&s[r]);
+}
+
+#define SIX 6
+
+/// The same for blocks of 6 x 6: two rows of a block are three lanes.
+LTH_CLONES
+static void row_residual_6(const LthLevel *l, LitheIndex row, int low, int high, int skip,
+                           const double *restrict b, const double *restrict x, double *restrict y) {
+  const LthBlockMatrix *A = l->A;
+  const int *restrict colour = l->colours.colour;
+  Lane s[9];
+  for (int r = 0; r < 9; r++) s[r] = (Lane){0};
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+    const LitheIndex col = A->block_col[e];
+    if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
+    const double *restrict B = A->values + A->value_off[e];
+    const double *xc = x + A->row_off[col];
+    const Lane x0 = *(const Lane *)xc, x1 = {xc[4], xc[5], xc[0], xc[1]},
+               x2 = *(const Lane *)(xc + 2);
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; r++) {
+      s[3 * r] += LANE_AT(B + 2 * SIX * r) * x0;
+      s[3 * r + 1] += LANE_AT(B + 2 * SIX * r + 4) * x1;
+      s[3 * r + 2] += LANE_AT(B + 2 * SIX * r + 8) * x2;
+    }
+  }
+  const LitheCount at = A->row_off[row];
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; r++) {
+    const Lane *t = s + 3 * r;
+    const double first = lane_sum(&t[0]) + (t[1][0] + t[1][1]);
+    const double second = (t[1][2] + t[1][3]) + lane_sum(&t[2]);
+    y[at + 2 * r] = (b ? b[at + 2 * r] : 0) - first;
+    y[at + 2 * r + 1] = (b ? b[at + 2 * r + 1] : 0) - second;
+  }
+}
+
 /// y = b - A x in one block row, of the columns whose colour is in [low, high) and not `skip`; b may be NULL
 /// for zero. As lth_block_matrix_apply(), three rows at a time.
 LTH_CLONES
-static void row_residual(const LthBlockMatrix *A, const int *restrict colour, LitheIndex row,
-                         int low, int high, int skip, const double *restrict b,
-                         const double *restrict x, double *restrict y) {
+static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, int skip,
+                         const double *restrict b, const double *restrict x, double *restrict y) {
+  const LthBlockMatrix *A = l->A;
+  const int *restrict colour = l->colours.colour;
+  if (l->size == TWELVE) {
+    row_residual_12(l, row, low, high, skip, b, x, y);
+    return;
+  }
+  if (l->size == SIX) {
+    row_residual_6(l, row, low, high, skip, b, x, y);
+    return;
+  }
   const LitheIndex m = lth_ml_size(A, row);
   for (LitheIndex r = 0; r < m; r += 3) {
     const LitheIndex r1 = r + 1 < m ? r + 1 : r, r2 = r + 2 < m ? r + 2 : r;
@@ -124,12 +198,12 @@ void lth_ml_smooth_down(const LthLevel *l, int threads, const double *b, double 
     for (int k = 0; k < c->count; k++)
 #pragma omp for schedule(static)
       for (LitheIndex i = c->off[k]; i < c->off[k + 1]; i++) {
-        row_residual(A, c->colour, c->row[i], 0, k, -1, b, x, r);
+        row_residual(l, c->row[i], 0, k, -1, b, x, r);
         lth_block_jacobi_apply_row(l->jacobi, c->row[i], r, x);
       }
 #pragma omp for schedule(static)
     for (LitheIndex i = 0; i < A->n_rows; i++)
-      row_residual(A, c->colour, i, c->colour[i] + 1, c->count, -1, NULL, x, r);
+      row_residual(l, i, c->colour[i] + 1, c->count, -1, NULL, x, r);
   }
 }
 
@@ -140,7 +214,7 @@ void lth_ml_smooth_up(const LthLevel *l, int threads, const double *b, double *x
   for (int k = c->count - 1; k >= 0; k--)
 #pragma omp for schedule(static)
     for (LitheIndex i = c->off[k]; i < c->off[k + 1]; i++) {
-      row_residual(A, c->colour, c->row[i], 0, c->count, k, b, x, l->r);
+      row_residual(l, c->row[i], 0, c->count, k, b, x, l->r);
       lth_block_jacobi_apply_row(l->jacobi, c->row[i], l->r, x);
     }
 }
@@ -154,7 +228,7 @@ static void forward(const LthLevel *l, const double *r, double *q, double *h) {
   for (int k = 0; k < c->count; k++)
 #pragma omp for schedule(static)
     for (LitheIndex i = c->off[k]; i < c->off[k + 1]; i++) {
-      row_residual(l->A, c->colour, c->row[i], 0, k, -1, r, h, q);
+      row_residual(l, c->row[i], 0, k, -1, r, h, q);
       lth_block_jacobi_apply_row(l->jacobi, c->row[i], q, h);
     }
 }
@@ -167,7 +241,7 @@ static void step(const LthLevel *l, bool follow, double *x) {
 #pragma omp for schedule(static)
     for (LitheIndex i = c->off[k]; i < c->off[k + 1]; i++) {
       const LitheIndex row = c->row[i];
-      row_residual(A, c->colour, row, k + 1, c->count, -1, l->v, l->t, l->s);
+      row_residual(l, row, k + 1, c->count, -1, l->v, l->t, l->s);
       lth_block_jacobi_apply_row(l->jacobi, row, l->s, l->t);
       for (LitheCount d = A->row_off[row]; d < A->row_off[row + 1]; d++) {
         x[d] += l->t[d];
@@ -182,7 +256,7 @@ static void step(const LthLevel *l, bool follow, double *x) {
 #pragma omp for schedule(static)
     for (LitheIndex i = c->off[k]; i < c->off[k + 1]; i++) {
       const LitheIndex row = c->row[i];
-      row_residual(A, c->colour, row, 0, k, -1, l->s, l->s, l->e);
+      row_residual(l, row, 0, k, -1, l->s, l->s, l->e);
       lth_block_jacobi_apply_row(l->jacobi, row, l->e, l->s);
       for (LitheCount d = A->row_off[row]; d < A->row_off[row + 1]; d++) {
         l->h[d] -= l->s[d];
@@ -210,7 +284,7 @@ static void full_residual(const LthLevel *l, LitheIndex row, const double *b, co
                           double *r) {
   const LthBlockMatrix *A = l->A;
   const int m = lth_ml_size(A, row);
-  row_residual(A, l->colours.colour, row, 0, l->colours.count, -1, b, x, r);
+  row_residual(l, row, 0, l->colours.count, -1, b, x, r);
   for (int i = 0; l->extra && i < m; i++)
     for (int j = 0; j < m; j++)
       r[A->row_off[row] + i] -= l->extra[l->extra_off[row] + i * m + j] * x[A->row_off[row] + j];
@@ -230,7 +304,7 @@ void lth_ml_polynomial_down(const LthLevel *l, int threads, int degree, const do
     for (LitheCount i = 0; i < A->n; i++) l->h[i] = -l->h[i];
 #pragma omp for schedule(static)
     for (LitheIndex i = 0; i < A->n_rows; i++)
-      row_residual(A, l->colours.colour, i, 0, l->colours.colour[i], -1, l->q, l->h, r);
+      row_residual(l, i, 0, l->colours.colour[i], -1, l->q, l->h, r);
   }
 }
 

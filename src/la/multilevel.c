@@ -92,6 +92,9 @@ static LitheStatus open_level(LitheCtx *ctx, LthLevel *l, const LthBlockMatrix *
   double **vectors[] = {&l->q, &l->h, &l->v, &l->s, &l->t, &l->e};
   for (int k = 0; k < 6; k++)
     LITHE_TRY(lth_new_(ctx, (void **)vectors[k], A->n, sizeof **vectors[k]));
+  l->size = A->n_rows > 0 ? lth_ml_size(A, 0) : 0;
+  for (LitheIndex i = 0; i < A->n_rows; i++)
+    if (lth_ml_size(A, i) != l->size) l->size = 0;
   LITHE_TRY(lth_block_jacobi_create(ctx, A, &l->jacobi));
   LITHE_TRY(lth_ml_colour(ctx, A, &l->colours));
   return LITHE_OK;
