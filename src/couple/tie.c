@@ -115,10 +115,7 @@ void lth_tie_destroy(LitheCtx *ctx, LthTie **tie) {
   if (!*tie) return;
   LthTie *t = *tie;
   for (int i = 0; i < 2; i++) {
-    if (t->coupling[i].self && t->coupling[i].update_rotations)
-      lth_tie_faces_destroy(ctx, &t->coupling[i]);
-    else
-      lth_tie_springs_destroy(ctx, &t->coupling[i]);
+    if (t->coupling[i].self) t->coupling[i].destroy(ctx, t->coupling[i].self);
     lth_free(ctx, t->tied[i]);
   }
   lth_free(ctx, t);

@@ -206,6 +206,16 @@ static LitheStatus create(LitheCtx *ctx, const LthTieDef *def, const LthOverlap 
   return lth_tie_matrix_list(ctx, &t->matrix, coupling);
 }
 
+static void destroy(LitheCtx *ctx, void *self) {
+  TieFaces *t = self;
+  lth_tie_matrix_free(ctx, &t->matrix);
+  lth_dg_operator_destroy(ctx, &t->op);
+  lth_dg_space_destroy(ctx, &t->space);
+  lth_mesh_destroy(ctx, &t->mesh);
+  void *blocks[] = {t->young, t->poisson, t->from, t->of, t->x, t->rest, t->f0, t};
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
+}
+
 LitheStatus lth_tie_faces_create(LitheCtx *ctx, const LthTieDef *def, const LthOverlap *overlap,
                                  LthTie *tie, LthCoupling *coupling) {
   TieFaces *t = NULL;
@@ -214,21 +224,11 @@ LitheStatus lth_tie_faces_create(LitheCtx *ctx, const LthTieDef *def, const LthO
                             .update_rotations = update_rotations,
                             .add = add,
                             .add_load = add_load,
-                            .energy = energy};
+                            .energy = energy,
+                            .destroy = destroy,
+                            .is_nonlinear = def->side[0].warped || def->side[1].warped};
   LITHE_TRY(create(ctx, def, overlap, t, coupling));
   tie->n_faces = t->mesh->n_faces;
   for (LitheIndex f = 0; f < t->mesh->n_faces; f++) tie->face_area += t->mesh->face_area[f];
   return LITHE_OK;
-}
-
-void lth_tie_faces_destroy(LitheCtx *ctx, LthCoupling *coupling) {
-  TieFaces *t = coupling->self;
-  if (!t) return;
-  lth_tie_matrix_free(ctx, &t->matrix);
-  lth_dg_operator_destroy(ctx, &t->op);
-  lth_dg_space_destroy(ctx, &t->space);
-  lth_mesh_destroy(ctx, &t->mesh);
-  void *blocks[] = {t->young, t->poisson, t->from, t->of, t->x, t->rest, t->f0, t};
-  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
-  *coupling = (LthCoupling){0};
 }

@@ -55,10 +55,8 @@ void lth_tie_matrix_free(LitheCtx *ctx, LthTieMatrix *m);
 /// Face terms of discontinuous elements on an overlap.
 LitheStatus lth_tie_faces_create(LitheCtx *ctx, const LthTieDef *def, const LthOverlap *overlap,
                                  LthTie *tie, LthCoupling *coupling);
-void lth_tie_faces_destroy(LitheCtx *ctx, LthCoupling *coupling);
 
 /// Springs on pieces that are not tied yet; none found leaves `coupling` without `self`. `gap` becomes the
 /// smallest distance that was seen [m], `reach` the one up to which pieces are tied.
 LitheStatus lth_tie_springs_create(LitheCtx *ctx, const LthTieDef *def, LthTie *tie,
                                    LthCoupling *coupling, double *gap, double *reach);
-void lth_tie_springs_destroy(LitheCtx *ctx, LthCoupling *coupling);

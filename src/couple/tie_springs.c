@@ -347,22 +347,8 @@ static LitheStatus create(Job *job, LthCoupling *coupling) {
   return lth_tie_matrix_list(job->ctx, &t->matrix, coupling);
 }
 
-LitheStatus lth_tie_springs_create(LitheCtx *ctx, const LthTieDef *def, LthTie *tie,
-                                   LthCoupling *coupling, double *gap, double *reach) {
-  TieSprings *t = NULL;
-  LTH_NEW(ctx, t, 1);
-  *coupling = (LthCoupling){.self = t, .add = add, .add_load = add_load, .energy = energy};
-  Job job = {.ctx = ctx, .def = def, .tie = tie, .out = t};
-  LITHE_TRY(create(&job, coupling));
-  *gap = job.gap;
-  *reach = job.reach;
-  if (t->n == 0) lth_tie_springs_destroy(ctx, coupling);
-  return LITHE_OK;
-}
-
-void lth_tie_springs_destroy(LitheCtx *ctx, LthCoupling *coupling) {
-  TieSprings *t = coupling->self;
-  if (!t) return;
+static void destroy(LitheCtx *ctx, void *self) {
+  TieSprings *t = self;
   lth_tie_matrix_free(ctx, &t->matrix);
   for (int k = 0; k < 2; k++) {
     lth_free(ctx, t->row_of[k]);
@@ -372,5 +358,20 @@ void lth_tie_springs_destroy(LitheCtx *ctx, LthCoupling *coupling) {
   lth_free(ctx, t->y);
   lth_free(ctx, t->at);
   lth_free(ctx, t);
+}
+
+LitheStatus lth_tie_springs_create(LitheCtx *ctx, const LthTieDef *def, LthTie *tie,
+                                   LthCoupling *coupling, double *gap, double *reach) {
+  TieSprings *t = NULL;
+  LTH_NEW(ctx, t, 1);
+  *coupling = (LthCoupling){
+      .self = t, .add = add, .add_load = add_load, .energy = energy, .destroy = destroy};
+  Job job = {.ctx = ctx, .def = def, .tie = tie, .out = t};
+  LITHE_TRY(create(&job, coupling));
+  *gap = job.gap;
+  *reach = job.reach;
+  if (t->n > 0) return LITHE_OK;
+  destroy(ctx, t);
   *coupling = (LthCoupling){0};
+  return LITHE_OK;
 }

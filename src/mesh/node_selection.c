@@ -48,10 +48,14 @@ static LitheStatus ask_label(const NodeQuestion *q, const char *label, uint8_t *
   const LthElementGroup *group = NULL;
   for (int i = 0; i < 3 && !group && q->elements; i++)
     group = lth_element_group(q->elements, order[i], label);
+  if (!group && q->elements && q->elements->n_groups > 0)
+    LITHE_FAIL(q->ctx, LITHE_BAD_INPUT,
+               "where: label %s: the mesh file has no set of this name; it has %s%s", label,
+               q->elements->groups[0].name, q->elements->n_groups > 1 ? " and others" : "");
   if (!group)
-    LITHE_FAIL(q->ctx, LITHE_BAD_INPUT, "where: label %s: %s", label,
-               q->elements ? "the mesh file has no set of this name"
-                           : "this mesh has no labels; select by a shape or a plane instead");
+    LITHE_FAIL(q->ctx, LITHE_BAD_INPUT,
+               "where: label %s: this mesh has no labels; select by a shape or a plane instead",
+               label);
   for (LitheIndex i = 0; i < group->n; i++) {
     if (group->of == LTH_GROUP_NODES)
       answer[group->member[i]] = YES;

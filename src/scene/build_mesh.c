@@ -12,12 +12,7 @@ static LitheIndex at_least_one(double cells) {
 LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double min[3],
                            const double max[3], LthGrid *grid) {
   const LthResolution *r = &def->resolution;
-  if (r->has_grid) {
-    *grid = r->grid;
-    return LITHE_OK;
-  }
   double longest = fmax(max[0] - min[0], fmax(max[1] - min[1], max[2] - min[2]));
-  double n_all = 1;
   lth_v3_copy(min, grid->min);
   lth_v3_copy(max, grid->max);
   for (int a = 0; a < 3; a++) {
@@ -29,9 +24,9 @@ LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double 
       grid->cells[a] = r->cells[a];
     else
       grid->cells[a] = at_least_one(floor(side / longest * r->cells[0] + 0.5));
-    n_all *= grid->cells[a];
   }
-  if (n_all > 1e8)
+  if (r->has_grid) *grid = r->grid;
+  if ((double)grid->cells[0] * grid->cells[1] * grid->cells[2] > 1e8)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s.method: a grid of %d x %d x %d cells is more than this version takes (1e8); use "
                "fewer cells",

@@ -82,14 +82,21 @@ static LitheStatus add_sample(LitheCtx *ctx, const LthBody *body, LitheIndex num
   return LITHE_OK;
 }
 
+/// Four functions are the linear ones, and have one gradient in a cell.
+static bool varies_within(const LthDisc *disc, LitheIndex cell, const double x[3]) {
+  LitheIndex func[LTH_DISC_MAX_FUNCS];
+  double phi[LTH_DISC_MAX_FUNCS];
+  return disc->table->eval(disc, cell, x, func, phi) > 4;
+}
+
 static LitheStatus sample_cell(LitheCtx *ctx, const LthBody *body, LitheIndex number,
                                LitheIndex cell, Samples *samples) {
   const LthMesh *mesh = body->mesh;
+  const double *centroid = mesh->cell_centroid + 3 * (LitheCount)cell;
   LitheCount first = samples->n;
-  LITHE_TRY(
-      add_sample(ctx, body, number, cell, mesh->cell_centroid + 3 * (LitheCount)cell, samples));
-  for (LitheIndex k = mesh->cell_face_off[cell];
-       body->disc->cell_degree[cell] > 1 && k < mesh->cell_face_off[cell + 1]; k++) {
+  LITHE_TRY(add_sample(ctx, body, number, cell, centroid, samples));
+  bool varies = varies_within(body->disc, cell, centroid);
+  for (LitheIndex k = mesh->cell_face_off[cell]; varies && k < mesh->cell_face_off[cell + 1]; k++) {
     LitheIndex f = mesh->cell_face[k];
     for (LitheIndex i = mesh->loop_off[mesh->face_loop_off[f]];
          i < mesh->loop_off[mesh->face_loop_off[f + 1]]; i++)

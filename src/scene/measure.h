@@ -11,8 +11,8 @@ typedef struct LthDisplacementFigures {
 LitheStatus lth_measure_displacement(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,
                                      LthDisplacementFigures *figures);
 
-/// Samples: the centroid of each element of degree 1 (stress hardly varies there), the centroid and all
-/// corners of others.
+/// Samples: the centroid of each element whose functions are linear (stress is one there but for its rotation),
+/// the centroid and all corners of others.
 typedef struct LthStressFigures {
   double von_mises_max; ///< [Pa]
   double p99;           ///< 99 % of the volume lies at or below it [Pa]

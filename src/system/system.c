@@ -83,7 +83,7 @@ static bool find_nonlinear(const LthSystem *s) {
   for (LitheIndex b = 0; b < s->n_bodies; b++)
     for (LitheIndex i = 0; i < s->bodies[b].n_loads; i++)
       found |= s->bodies[b].loads[i].kind == LTH_LOAD_PRESSURE && s->bodies[b].loads[i].follower;
-  for (LitheIndex c = 0; c < s->n_couplings; c++) found |= s->couplings[c].update_rotations != NULL;
+  for (LitheIndex c = 0; c < s->n_couplings; c++) found |= s->couplings[c].is_nonlinear;
   return found;
 }
 

@@ -27,6 +27,8 @@ typedef struct LthCoupling {
   void (*add_load)(void *self, double t, double *f0);
   double (*energy)(void *self, double t, const double *x);
   void (*archive)(void *self, LthArchive *archive); ///< memory from step to step; NULL: it has none
+  void (*destroy)(LitheCtx *ctx, void *self);       ///< by its owner, not by the system
+  bool is_nonlinear;                                ///< its K changes with x
 } LthCoupling;
 
 /// Contact of a body with colliders, or of two bodies with each other; borrowed for life.

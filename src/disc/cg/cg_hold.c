@@ -133,7 +133,7 @@ static double trace_bound(const LthCgDisc *d, LitheIndex e) {
     n = slope_functions(d, e, phi, psi);
     for (int i = 0; i < n * n; i++) mass[i] += w * psi[i / n] * psi[i % n];
   }
-  if (!factorize(n, mass)) return 0;
+  if (!factorize(n, mass)) return NAN;
   for (LitheIndex h = d->hold_off[e]; h < d->hold_off[e + 1]; h++) {
     slope_functions(d, e, d->hold_data + d->holds[h].table, psi);
     substitute(n, mass, psi);
@@ -153,6 +153,20 @@ static void set_penalty(LthCgDisc *d, LitheIndex e) {
     hold->iso = SAFETY * C / share * 2 * hold->mu;
     hold->stiff = SAFETY * C / share * fmax(hold->lambda, 0);
   }
+}
+
+static LitheStatus check_penalties(LitheCtx *ctx, const LthCgDisc *d) {
+  for (LitheIndex e = 0; e < d->elements->n_elements; e++)
+    for (LitheIndex h = d->hold_off[e]; h < d->hold_off[e + 1]; h++)
+      if (!isfinite(d->holds[h].iso) || !isfinite(d->holds[h].stiff)) {
+        const double *at = d->elements->nodes +
+                           3 * (LitheCount)d->elements->element_node[d->elements->element_off[e]];
+        LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+                   "the element at (%g, %g, %g) m is too flat to be held weakly; use `enforce: "
+                   "strong` or a better mesh there",
+                   at[0], at[1], at[2]);
+      }
+  return LITHE_OK;
 }
 
 void lth_cg_find_held(LthCgDisc *d) {
@@ -190,6 +204,7 @@ LitheStatus lth_cg_build_holds(LitheCtx *ctx, LthCgDisc *d) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex e = 0; e < n_elements; e++)
     if (d->hold_off[e + 1] > d->hold_off[e]) set_penalty(d, e);
+  LITHE_TRY_OR(done, check_penalties(ctx, d));
 done:
   lth_free(ctx, fill);
   return status;
