@@ -7,6 +7,17 @@
 #include <math.h>
 #include <string.h>
 
+/// What may have kept a selection from finding anything, by the kind of mesh.
+static const char *hint_of(const LthSceneBody *def) {
+  if (def->mesh_kind == LTH_MESH_VOXELS)
+    return "; voxels leave out parts thinner than half a cell: take smaller cells or `mesh: "
+           "embedded`";
+  if (def->mesh_kind == LTH_MESH_FILE)
+    return "; of a mesh file only whole boundary faces are selected, a set of single nodes has "
+           "none";
+  return "";
+}
+
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches) {
   const double *box = body->box;
@@ -16,8 +27,8 @@ LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *pl
   LITHE_FAIL(
       ctx, LITHE_BAD_INPUT,
       "%s.where: selects nothing of the body's boundary; the body reaches from (%g, %g, %g) to "
-      "(%g, %g, %g)",
-      place, box[0], box[1], box[2], box[3], box[4], box[5]);
+      "(%g, %g, %g)%s",
+      place, box[0], box[1], box[2], box[3], box[4], box[5], hint_of(body->def));
 }
 
 LitheStatus lth_body_own_patches(LitheCtx *ctx, LthBody *body, LthPatches *patches) {

@@ -63,6 +63,8 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
   double products = is_pcg ? 60 : 60 * 5.5;
   double one_solve = is_pcg || is_multigrid ? products * matrix / SOLVE_BYTES
                                             : flops / FACTOR_FLOPS + 2 * bytes / SOLVE_BYTES;
+  // what touches changes its points within a step, and is not in any factor or coarse level
+  if (scene->n_colliders > 0 || scene->n_bodies > 1) one_solve += 300 * matrix / SOLVE_BYTES;
   // a corotated equilibrium takes some ten solves
   if (scene->time_kind != LTH_TIME_DYNAMIC) one_solve *= 10;
   f->linear = is_pcg ? "pcg" : is_multigrid ? "multigrid" : "cholesky";

@@ -10,6 +10,9 @@
 #include <math.h>
 #include <string.h>
 
+#define SMALL_UNKNOWNS 3000
+#define SMALL_POINTS 5000
+
 struct LitheResult {
   char *folder, *json;
   LitheRunSummary summary;
@@ -155,12 +158,22 @@ static bool has_result(LitheStatus status) {
   return status == LITHE_OK || status == LITHE_NOT_CONVERGED || status == LITHE_INTERRUPTED;
 }
 
+/// A small body is done with a loop before a second thread wakes, which on a busy machine takes long. Results do
+/// not depend on it.
+static void spare_threads(LitheCtx *ctx, const LthWorld *world) {
+  LitheCount points = 0;
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    if (world->bodies[b]->soup) points += world->bodies[b]->soup->n_points;
+  if (world->system->n < SMALL_UNKNOWNS && points < SMALL_POINTS) lth_set_threads(ctx, 1);
+}
+
 /// Everything built, and the state that a checkpoint holds put into it: nothing of an earlier run is touched
 /// before that has come out well.
 static LitheStatus build(LitheCtx *ctx, Run *run) {
   double spent[2];
   uint64_t inputs = lth_inputs(ctx);
   LITHE_TRY(lth_world_create(ctx, run->scene, spent, &run->world));
+  if (run->scene->threads == 0) spare_threads(ctx, run->world);
   LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   run->times.mesh = spent[0];
   run->times.integrate = spent[1];

@@ -103,11 +103,17 @@ static void labels_mean_nodes_before_faces_before_elements(void **state) {
 static void unknown_labels_are_named(void **state) {
   LitheCtx *ctx = test_ctx();
   (void)state;
-  Pair p = make(ctx, 0, NULL, NULL);
+  const LthGroupOf of[1] = {LTH_GROUP_NODES};
+  const LitheIndex member[1] = {1};
   LthWhere label = {.kind = LTH_WHERE_LABEL, .label = (char *)"top"};
-  assert_int_equal(lth_select_nodes(ctx, p.mesh, p.elements, &label, p.chosen), LITHE_BAD_INPUT);
-  assert_non_null(strstr(lithe_ctx_message(ctx), "label top: the mesh file has no set"));
-  unmake(ctx, &p);
+  const char *wanted[2] = {"label top: this mesh has no labels",
+                           "label top: the mesh file has no set of this name; it has a"};
+  for (int n = 0; n < 2; n++) {
+    Pair p = make(ctx, n, of, member);
+    assert_int_equal(lth_select_nodes(ctx, p.mesh, p.elements, &label, p.chosen), LITHE_BAD_INPUT);
+    assert_non_null(strstr(lithe_ctx_message(ctx), wanted[n]));
+    unmake(ctx, &p);
+  }
   lithe_ctx_destroy(&ctx);
 }
 
