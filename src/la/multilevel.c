@@ -9,7 +9,7 @@
 
 #define COARSE_UNKNOWNS 500 // at most so many are solved for by a dense factor
 #define TRIAL 40            // iterations after which a solve is looked at
-#define STRONG_DEGREE 2     // of the polynomial smoother, where sweeps do not do
+#define STRONG_DEGREE 3     // of the polynomial smoother, where sweeps do not do
 #define STAGNATION 0.8      // a level this large beside the one before is not worth having
 
 /// Unknowns whose row has no entry but the diagonal.
