@@ -1,6 +1,8 @@
 /// Tables as comma-separated text that is valid after every row: history.csv and probes.csv.
 #include "io/csv.h"
 
+#include "io/file.h"
+
 #include "io/number_text.h"
 
 #include <errno.h>
@@ -56,14 +58,8 @@ static LitheStatus create(LitheCtx *ctx, const char *path, int n, const char *mo
   LTH_NEW(ctx, *csv, 1);
   (*csv)->n = n;
   LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*csv)->path));
-  (*csv)->stream = fopen(path, mode);
-  if ((*csv)->stream) return LITHE_OK;
-  if (mode[0] == 'r' && errno == ENOENT)
-    status =
-        lth_fail(ctx, LITHE_BAD_INPUT,
-                 "%s: the file is gone that the run would go on with; run the scene anew", path);
-  else
-    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+  LITHE_TRY_OR(failed, lth_stream_open(ctx, path, mode, &(*csv)->stream));
+  return LITHE_OK;
 failed:
   release(ctx, csv);
   return status;

@@ -179,6 +179,15 @@ done:
   return status;
 }
 
+LitheStatus lth_stream_open(LitheCtx *ctx, const char *path, const char *mode, FILE **stream) {
+  *stream = fopen(path, mode);
+  if (*stream) return LITHE_OK;
+  if (mode[0] == 'r' && errno == ENOENT)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: the file is gone that the run would go on with; run the scene anew", path);
+  LITHE_FAIL(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+}
+
 LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path) {
   size_t n_folder = name[0] == '/' ? 0 : strlen(folder), n_name = strlen(name);
   bool needs_slash = n_folder > 0 && folder[n_folder - 1] != '/';

@@ -28,6 +28,10 @@ LitheStatus lth_folder_make(LitheCtx *ctx, const char *path);
 /// "a/b" from "a" and "b" (an absolute "b" stays as it is); freed by lth_free().
 LitheStatus lth_path_join(LitheCtx *ctx, const char *folder, const char *name, char **path);
 
+/// fopen() for a file that grows while a run goes on: `mode` "wb" makes it new, "r+b" takes one that is there.
+/// LITHE_BAD_INPUT where that is gone.
+LitheStatus lth_stream_open(LitheCtx *ctx, const char *path, const char *mode, FILE **stream);
+
 /// "folder/stem.ending"; freed by lth_free().
 LitheStatus lth_path_ending(LitheCtx *ctx, const char *folder, const char *stem, const char *ending,
                             char **path);

@@ -1,4 +1,5 @@
 /// MetaImage files: lines "Key = value", the last of which says where the values are.
+#include "io/header_lines.h"
 #include "io/volume_data.h"
 
 #include <math.h>
@@ -7,40 +8,13 @@
 #include <string.h>
 #include <strings.h>
 
-#define LINE_MAX_BYTES 1024
-
 typedef struct Meta {
-  LitheCtx *ctx;
+  LthHeaderLines in;
   LthVolumeHeader h;
-  const char *data;
-  size_t size, at;
-  int line;
-  char text[LINE_MAX_BYTES], *value;
+  char *value;                           ///< within in.text
   double axes[9], origin[3], spacing[3]; ///< a row of `axes` to each voxel axis
   bool has_sizes, has_type, has_end;
 } Meta;
-
-#define FAIL_LINE(p, ...)                                                                          \
-  do {                                                                                             \
-    char what_[300];                                                                               \
-    snprintf(what_, sizeof what_, __VA_ARGS__);                                                    \
-    LITHE_FAIL((p)->ctx, LITHE_BAD_INPUT, "%s:%d: %s", (p)->h.name, (p)->line, what_);             \
-  } while (0)
-
-static LitheStatus next_line(Meta *p, bool *is_there) {
-  size_t n = 0;
-  *is_there = p->at < p->size;
-  if (!*is_there) return LITHE_OK;
-  p->line++;
-  while (p->at < p->size && p->data[p->at] != '\n') {
-    if (n + 1 == sizeof p->text) FAIL_LINE(p, "a line longer than %d bytes", LINE_MAX_BYTES - 1);
-    p->text[n++] = p->data[p->at++];
-  }
-  p->at++;
-  while (n > 0 && (p->text[n - 1] == '\r' || p->text[n - 1] == ' ')) n--;
-  p->text[n] = 0;
-  return LITHE_OK;
-}
 
 static LitheStatus read_numbers(Meta *p, const char *key, int n, double *numbers) {
   const char *at = p->value;
@@ -50,7 +24,8 @@ static LitheStatus read_numbers(Meta *p, const char *key, int n, double *numbers
     if (end == at || (*end && *end != ' ' && *end != '\t')) break;
     if (count < n) numbers[count] = value;
   }
-  if (*at || count != n) FAIL_LINE(p, "%s is \"%.100s\", expected %d numbers", key, p->value, n);
+  if (*at || count != n)
+    LTH_FAIL_LINE(&p->in, "%s is \"%.100s\", expected %d numbers", key, p->value, n);
   return LITHE_OK;
 }
 
@@ -68,10 +43,10 @@ static LitheStatus read_type(Meta *p) {
       p->has_type = true;
       return LITHE_OK;
     }
-  FAIL_LINE(p,
-            "values of type \"%.40s\" are not read, expected MET_UCHAR, MET_SHORT, MET_FLOAT "
-            "or another single number",
-            p->value);
+  LTH_FAIL_LINE(&p->in,
+                "values of type \"%.40s\" are not read, expected MET_UCHAR, MET_SHORT, MET_FLOAT "
+                "or another single number",
+                p->value);
 }
 
 static bool is_true(const char *text) { return text[0] == 'T' || text[0] == 't' || text[0] == '1'; }
@@ -83,7 +58,7 @@ static bool is_one_of(const char *key, const char *a, const char *b, const char 
 static LitheStatus read_data_file(Meta *p) {
   p->has_end = true;
   if (strcmp(p->value, "LIST") == 0 || strchr(p->value, '%'))
-    FAIL_LINE(p, "values in many files are not read, expected one file");
+    LTH_FAIL_LINE(&p->in, "values in many files are not read, expected one file");
   if (strcasecmp(p->value, "LOCAL") != 0)
     snprintf(p->h.data_file, sizeof p->h.data_file, "%s", p->value);
   return LITHE_OK;
@@ -95,7 +70,7 @@ static LitheStatus read_field(Meta *p, const char *key) {
   if (strcmp(key, "ElementDataFile") == 0) return read_data_file(p);
   if (strcmp(key, "NDims") == 0) {
     LITHE_TRY(read_numbers(p, key, 1, &number));
-    if (number != 3) FAIL_LINE(p, "%g dimensions, expected 3", number);
+    if (number != 3) LTH_FAIL_LINE(&p->in, "%g dimensions, expected 3", number);
   } else if (strcmp(key, "DimSize") == 0) {
     p->has_sizes = true;
     return read_numbers(p, key, 3, p->h.n);
@@ -110,14 +85,15 @@ static LitheStatus read_field(Meta *p, const char *key) {
   } else if (is_one_of(key, "BinaryDataByteOrderMSB", "ElementByteOrderMSB", "")) {
     p->h.is_big_endian = is_true(p->value);
   } else if (strcmp(key, "BinaryData") == 0) {
-    if (!is_true(p->value)) FAIL_LINE(p, "values as text are not read, expected BinaryData = True");
+    if (!is_true(p->value))
+      LTH_FAIL_LINE(&p->in, "values as text are not read, expected BinaryData = True");
   } else if (strcmp(key, "ElementNumberOfChannels") == 0) {
     LITHE_TRY(read_numbers(p, key, 1, &number));
-    if (number != 1) FAIL_LINE(p, "%g numbers to a voxel, expected one", number);
+    if (number != 1) LTH_FAIL_LINE(&p->in, "%g numbers to a voxel, expected one", number);
   } else if (strcmp(key, "HeaderSize") == 0) {
     LITHE_TRY(read_numbers(p, key, 1, &number));
     if (!(number >= -1 && number <= 1e9))
-      FAIL_LINE(p, "HeaderSize is %g, expected -1 or more", number);
+      LTH_FAIL_LINE(&p->in, "HeaderSize is %g, expected -1 or more", number);
     p->h.is_last = number < 0;
     p->h.skip = number > 0 ? (size_t)number : 0;
   }
@@ -127,33 +103,32 @@ static LitheStatus read_field(Meta *p, const char *key) {
 static LitheStatus read_header(Meta *p) {
   bool is_there = true;
   while (!p->has_end) {
-    LITHE_TRY(next_line(p, &is_there));
+    LITHE_TRY(lth_header_line(&p->in, &is_there));
     if (!is_there)
-      LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s: its header ends at line %d without ElementDataFile",
-                 p->h.name, p->line);
-    char *equals = strchr(p->text, '=');
-    if (!p->text[0]) continue;
-    if (!equals) FAIL_LINE(p, "no field, got \"%.60s\"; expected \"Key = value\"", p->text);
+      LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT,
+                 "%s: its header ends at line %d without ElementDataFile", p->h.name, p->in.line);
+    char *equals = strchr(p->in.text, '=');
+    if (!p->in.text[0]) continue;
+    if (!equals)
+      LTH_FAIL_LINE(&p->in, "no field, got \"%.60s\"; expected \"Key = value\"", p->in.text);
     p->value = equals + 1 + strspn(equals + 1, " \t");
-    while (equals > p->text && (equals[-1] == ' ' || equals[-1] == '\t')) equals--;
+    while (equals > p->in.text && (equals[-1] == ' ' || equals[-1] == '\t')) equals--;
     *equals = 0;
-    LITHE_TRY(read_field(p, p->text));
+    LITHE_TRY(read_field(p, p->in.text));
   }
   if (!p->has_sizes || !p->has_type)
-    LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s: its header ends at line %d without %s", p->h.name,
-               p->line, p->has_sizes ? "ElementType" : "DimSize");
+    LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT, "%s: its header ends at line %d without %s", p->h.name,
+               p->in.line, p->has_sizes ? "ElementType" : "DimSize");
   if (p->h.is_last && p->h.coding != LTH_CODING_RAW)
-    LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s: HeaderSize -1 goes with uncompressed data only",
+    LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT, "%s: HeaderSize -1 goes with uncompressed data only",
                p->h.name);
   return LITHE_OK;
 }
 
 LitheStatus lth_mhd_parse(LitheCtx *ctx, const char *name, const char *path, const char *data,
                           size_t size, LthVolume **volume) {
-  Meta p = {.ctx = ctx,
+  Meta p = {.in = {.ctx = ctx, .name = name, .data = data, .size = size},
             .h = {.name = name, .path = path, .slope = 1},
-            .data = data,
-            .size = size,
             .axes = {1, 0, 0, 0, 1, 0, 0, 0, 1},
             .spacing = {1, 1, 1}};
   *volume = NULL;
@@ -162,6 +137,6 @@ LitheStatus lth_mhd_parse(LitheCtx *ctx, const char *name, const char *path, con
     for (int j = 0; j < 3; j++) p.h.to_world[4 * i + j] = 1e-3 * p.axes[3 * j + i] * p.spacing[j];
     p.h.to_world[4 * i + 3] = 1e-3 * p.origin[i];
   }
-  if (p.at > size) p.at = size;
-  return lth_volume_from_data(ctx, &p.h, data + p.at, size - p.at, volume);
+  if (p.in.at > size) p.in.at = size;
+  return lth_volume_from_data(ctx, &p.h, data + p.in.at, size - p.in.at, volume);
 }

@@ -1,4 +1,5 @@
 /// NRRD files: lines "field: value" up to an empty line, then the values or the name of their file.
+#include "io/header_lines.h"
 #include "io/volume_data.h"
 
 #include <math.h>
@@ -7,42 +8,15 @@
 #include <string.h>
 #include <strings.h>
 
-#define LINE_MAX_BYTES 1024
-
 typedef struct Nrrd {
-  LitheCtx *ctx;
+  LthHeaderLines in;
   LthVolumeHeader h;
-  const char *data;
-  size_t size, at;
-  int line, n_dims;
-  char text[LINE_MAX_BYTES], *value;
+  int n_dims;
+  char *value; ///< within in.text
   bool has_sizes, has_type, has_encoding, has_endian;
   double axes[9], origin[3], spacing[3], unit; ///< a column of `axes` to each voxel axis
   bool has_axes, has_spacing;
 } Nrrd;
-
-#define FAIL_LINE(p, ...)                                                                          \
-  do {                                                                                             \
-    char what_[300];                                                                               \
-    snprintf(what_, sizeof what_, __VA_ARGS__);                                                    \
-    LITHE_FAIL((p)->ctx, LITHE_BAD_INPUT, "%s:%d: %s", (p)->h.name, (p)->line, what_);             \
-  } while (0)
-
-/// The next line without its end; false at the end of the file.
-static LitheStatus next_line(Nrrd *p, bool *is_there) {
-  size_t n = 0;
-  *is_there = p->at < p->size;
-  if (!*is_there) return LITHE_OK;
-  p->line++;
-  while (p->at < p->size && p->data[p->at] != '\n') {
-    if (n + 1 == sizeof p->text) FAIL_LINE(p, "a line longer than %d bytes", LINE_MAX_BYTES - 1);
-    p->text[n++] = p->data[p->at++];
-  }
-  p->at++;
-  while (n > 0 && (p->text[n - 1] == '\r' || p->text[n - 1] == ' ')) n--;
-  p->text[n] = 0;
-  return LITHE_OK;
-}
 
 static bool is_word(const char *text, const char *const *words) {
   for (int i = 0; words[i]; i++)
@@ -85,8 +59,8 @@ static LitheStatus read_type(Nrrd *p) {
       p->has_type = true;
       return LITHE_OK;
     }
-  FAIL_LINE(p, "values of type \"%.40s\" are not read, expected integers, float or double",
-            p->value);
+  LTH_FAIL_LINE(&p->in, "values of type \"%.40s\" are not read, expected integers, float or double",
+                p->value);
 }
 
 static LitheStatus read_encoding(Nrrd *p) {
@@ -100,16 +74,18 @@ static LitheStatus read_encoding(Nrrd *p) {
   else if (is_word(p->value, text))
     p->h.coding = LTH_CODING_TEXT;
   else
-    FAIL_LINE(p, "the encoding \"%.40s\" is not read, expected raw, gzip or ascii", p->value);
+    LTH_FAIL_LINE(&p->in, "the encoding \"%.40s\" is not read, expected raw, gzip or ascii",
+                  p->value);
   return LITHE_OK;
 }
 
 static LitheStatus read_directions(Nrrd *p) {
   double v[9];
   if (strstr(p->value, "none"))
-    FAIL_LINE(p, "an axis without direction, got %.100s; expected three vectors", p->value);
+    LTH_FAIL_LINE(&p->in, "an axis without direction, got %.100s; expected three vectors",
+                  p->value);
   if (read_numbers(p->value, 9, v) != 9)
-    FAIL_LINE(p, "the axes are %.100s, expected (x,y,z) (x,y,z) (x,y,z)", p->value);
+    LTH_FAIL_LINE(&p->in, "the axes are %.100s, expected (x,y,z) (x,y,z) (x,y,z)", p->value);
   for (int j = 0; j < 3; j++)
     for (int i = 0; i < 3; i++) p->axes[3 * i + j] = v[3 * j + i];
   p->has_axes = true;
@@ -128,19 +104,19 @@ static LitheStatus read_units(Nrrd *p) {
       p->unit = units[i].factor;
       return LITHE_OK;
     }
-  FAIL_LINE(p, "the unit \"%s\" is not known, expected mm, cm, um or m", word);
+  LTH_FAIL_LINE(&p->in, "the unit \"%s\" is not known, expected mm, cm, um or m", word);
 }
 
 static LitheStatus read_count(Nrrd *p, const char *what, double *count) {
   if (read_numbers(p->value, 1, count) != 1 || !(fabs(*count) <= 1e9) || *count != floor(*count))
-    FAIL_LINE(p, "%s is \"%.60s\", expected a whole number", what, p->value);
+    LTH_FAIL_LINE(&p->in, "%s is \"%.60s\", expected a whole number", what, p->value);
   return LITHE_OK;
 }
 
 static LitheStatus read_skip(Nrrd *p) {
   double skip;
   LITHE_TRY(read_count(p, "byte skip", &skip));
-  if (skip < -1) FAIL_LINE(p, "byte skip is %g, expected 0 or more, or -1", skip);
+  if (skip < -1) LTH_FAIL_LINE(&p->in, "byte skip is %g, expected 0 or more, or -1", skip);
   p->h.is_last = skip < 0;
   p->h.skip = skip > 0 ? (size_t)skip : 0;
   return LITHE_OK;
@@ -155,27 +131,27 @@ static LitheStatus read_field(Nrrd *p, const char *key) {
   if (strcasecmp(key, "byte skip") == 0 || strcasecmp(key, "byteskip") == 0) return read_skip(p);
   if (strcasecmp(key, "dimension") == 0) {
     LITHE_TRY(read_count(p, "dimension", &number));
-    if (number != 3) FAIL_LINE(p, "%g dimensions, expected 3", number);
+    if (number != 3) LTH_FAIL_LINE(&p->in, "%g dimensions, expected 3", number);
   } else if (strcasecmp(key, "sizes") == 0) {
     if (read_numbers(p->value, 3, p->h.n) != 3)
-      FAIL_LINE(p, "sizes are \"%.60s\", expected three numbers", p->value);
+      LTH_FAIL_LINE(&p->in, "sizes are \"%.60s\", expected three numbers", p->value);
     p->has_sizes = true;
   } else if (strcasecmp(key, "spacings") == 0) {
     if (read_numbers(p->value, 3, p->spacing) != 3)
-      FAIL_LINE(p, "spacings are \"%.60s\", expected three numbers", p->value);
+      LTH_FAIL_LINE(&p->in, "spacings are \"%.60s\", expected three numbers", p->value);
     p->has_spacing = true;
   } else if (strcasecmp(key, "space origin") == 0) {
     if (read_numbers(p->value, 3, p->origin) != 3)
-      FAIL_LINE(p, "the origin is \"%.60s\", expected (x,y,z)", p->value);
+      LTH_FAIL_LINE(&p->in, "the origin is \"%.60s\", expected (x,y,z)", p->value);
   } else if (strcasecmp(key, "endian") == 0) {
     p->h.is_big_endian = strcasecmp(p->value, "big") == 0;
     p->has_endian = true;
   } else if (strcasecmp(key, "line skip") == 0 || strcasecmp(key, "lineskip") == 0) {
     LITHE_TRY(read_count(p, "line skip", &number));
-    if (number != 0) FAIL_LINE(p, "line skip is %g, expected 0", number);
+    if (number != 0) LTH_FAIL_LINE(&p->in, "line skip is %g, expected 0", number);
   } else if (strcasecmp(key, "data file") == 0 || strcasecmp(key, "datafile") == 0) {
     if (strcasecmp(p->value, "LIST") == 0 || strchr(p->value, '%'))
-      FAIL_LINE(p, "values in many files are not read, expected one file");
+      LTH_FAIL_LINE(&p->in, "values in many files are not read, expected one file");
     snprintf(p->h.data_file, sizeof p->h.data_file, "%s", p->value);
   }
   return LITHE_OK; // other fields do not change what is read
@@ -183,19 +159,20 @@ static LitheStatus read_field(Nrrd *p, const char *key) {
 
 static LitheStatus read_header(Nrrd *p) {
   bool is_there;
-  LITHE_TRY(next_line(p, &is_there));
-  if (!is_there || strncmp(p->text, "NRRD", 4) != 0)
-    LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s:1: no NRRD file, expected NRRD0001 to NRRD0005",
+  LITHE_TRY(lth_header_line(&p->in, &is_there));
+  if (!is_there || strncmp(p->in.text, "NRRD", 4) != 0)
+    LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT, "%s:1: no NRRD file, expected NRRD0001 to NRRD0005",
                p->h.name);
   for (;;) {
-    LITHE_TRY(next_line(p, &is_there));
-    if (!is_there || !p->text[0]) return LITHE_OK;
-    if (p->text[0] == '#' || strstr(p->text, ":=")) continue;
-    char *colon = strchr(p->text, ':');
-    if (!colon) FAIL_LINE(p, "no field, got \"%.60s\"; expected \"name: value\"", p->text);
+    LITHE_TRY(lth_header_line(&p->in, &is_there));
+    if (!is_there || !p->in.text[0]) return LITHE_OK;
+    if (p->in.text[0] == '#' || strstr(p->in.text, ":=")) continue;
+    char *colon = strchr(p->in.text, ':');
+    if (!colon)
+      LTH_FAIL_LINE(&p->in, "no field, got \"%.60s\"; expected \"name: value\"", p->in.text);
     *colon = 0;
     p->value = colon + 1 + strspn(colon + 1, " \t");
-    LITHE_TRY(read_field(p, p->text));
+    LITHE_TRY(read_field(p, p->in.text));
   }
 }
 
@@ -208,10 +185,11 @@ static LitheStatus check_fields(Nrrd *p) {
       lth_voxel_bytes(p->h.type) > 1)
     missing = "endian";
   if (missing)
-    LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s: its header ends at line %d without the field %s",
-               p->h.name, p->line, missing);
+    LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT, "%s: its header ends at line %d without the field %s",
+               p->h.name, p->in.line, missing);
   if (p->h.is_last && p->h.coding != LTH_CODING_RAW)
-    LITHE_FAIL(p->ctx, LITHE_BAD_INPUT, "%s: byte skip -1 goes with raw encoding only", p->h.name);
+    LITHE_FAIL(p->in.ctx, LITHE_BAD_INPUT, "%s: byte skip -1 goes with raw encoding only",
+               p->h.name);
   return LITHE_OK;
 }
 
@@ -228,15 +206,13 @@ static void make_map(Nrrd *p) {
 
 LitheStatus lth_nrrd_parse(LitheCtx *ctx, const char *name, const char *path, const char *data,
                            size_t size, LthVolume **volume) {
-  Nrrd p = {.ctx = ctx,
+  Nrrd p = {.in = {.ctx = ctx, .name = name, .data = data, .size = size},
             .h = {.name = name, .path = path, .slope = 1},
-            .data = data,
-            .size = size,
             .unit = 1e-3};
   *volume = NULL;
   LITHE_TRY(read_header(&p));
   LITHE_TRY(check_fields(&p));
   make_map(&p);
-  if (p.at > size) p.at = size;
-  return lth_volume_from_data(ctx, &p.h, data + p.at, size - p.at, volume);
+  if (p.in.at > size) p.in.at = size;
+  return lth_volume_from_data(ctx, &p.h, data + p.in.at, size - p.in.at, volume);
 }

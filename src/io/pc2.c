@@ -5,6 +5,8 @@
 /// the time between samples in seconds; in the modifier's frame mode one sample is one frame.
 #include "io/pc2.h"
 
+#include "io/file.h"
+
 #include "io/bytes.h"
 
 #include <errno.h>
@@ -49,14 +51,8 @@ static LitheStatus create(LitheCtx *ctx, const char *path, LitheIndex n_points, 
   LTH_NEW(ctx, *pc2, 1);
   (*pc2)->n_points = n_points;
   LITHE_TRY_OR(failed, lth_copy_text(ctx, path, &(*pc2)->path));
-  (*pc2)->stream = fopen(path, mode);
-  if ((*pc2)->stream) return LITHE_OK;
-  if (mode[0] == 'r' && errno == ENOENT)
-    status =
-        lth_fail(ctx, LITHE_BAD_INPUT,
-                 "%s: the file is gone that the run would go on with; run the scene anew", path);
-  else
-    status = lth_fail(ctx, LITHE_NO_SPACE, "%s: cannot be written: %s", path, strerror(errno));
+  LITHE_TRY_OR(failed, lth_stream_open(ctx, path, mode, &(*pc2)->stream));
+  return LITHE_OK;
 failed:
   release(ctx, pc2);
   return status;
