@@ -22,12 +22,13 @@ ALLOWED = {
     "disc": LOW | {"mesh"},
     "disc/dg": LOW | {"mesh", "material", "disc"},
     "disc/cg": LOW | {"mesh", "material", "disc"},
+    "disc/staggered": LOW | {"mesh", "material", "disc"},
     "embed": LOW | {"mesh", "material", "disc", "disc/dg"},
     "system": LOW | {"mesh", "material", "disc", "embed"},
     "couple": LOW | {"mesh", "material", "disc", "disc/dg", "embed", "system"},
     "step": LOW | {"mesh", "material", "disc", "disc/dg", "embed", "system"},
     "io": LOW | {"mesh"},
-    "scene": LOW | {"mesh", "material", "disc", "disc/dg", "disc/cg", "embed", "system", "couple", "step", "io"},
+    "scene": LOW | {"mesh", "material", "disc", "disc/dg", "disc/cg", "disc/staggered", "embed", "system", "couple", "step", "io"},
 }
 # the table of engines is the one place that names them
 EXCEPTIONS = {("src/la/engine.c", "engine/local")}

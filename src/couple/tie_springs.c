@@ -159,10 +159,11 @@ static int spring_functions(const LthTieDef *def, const Spring *s, int side[], L
   int n = 0;
   for (int k = 0; k < 2; k++) {
     const LthDisc *disc = def->side[k].disc;
-    int m = disc->table->eval(disc, s->cell[k], s->x, func + n, value + n);
-    for (int i = n; i < n + m; i++) {
-      side[i] = k;
-      if (k == 1) value[i] = -value[i];
+    double phi[3 * LTH_DISC_MAX_FUNCS];
+    int m = disc->table->eval(disc, s->cell[k], s->x, func + n, phi);
+    for (int i = 0; i < m; i++) {
+      side[n + i] = k;
+      value[n + i] = k == 1 ? -phi[3 * i] : phi[3 * i];
     }
     n += m;
   }

@@ -1,7 +1,7 @@
 /// The small interface of a discretisation: all that embedding, stepping and output know of dg and cg.
 #pragma once
 
-#include "la/block_matrix.h"
+#include "la/krylov.h"
 #include "mesh/selection.h"
 
 #define LTH_DISC_MAX_FUNCS 35 ///< functions that are not zero somewhere in one cell
@@ -53,20 +53,41 @@ typedef struct LthWeakConstraint {
 
 typedef struct LthDisc LthDisc;
 
+/// Solves of a discretisation that needs no matrix for them. Vectors are of its own unknowns; what is held or dead
+/// has rows and columns of the identity, and right-hand sides are zero there.
+typedef struct LthDiscSolver {
+  /// y = (cm M + ck K) x with K as linearised last; held unknowns of x count, y is zero there.
+  void (*apply)(const LthDisc *disc, int threads, double cm, double ck, const double *x, double *y);
+  /// Make ready for cm M + ck K as linearised last; allocates at the first call alone.
+  LitheStatus (*prepare)(LitheCtx *ctx, LthDisc *disc, double cm, double ck);
+  /// Solve (cm M + ck K + extra) w = rhs from the w given until |r| <= tolerance |rhs|. `extra` (may be NULL) is
+  /// symmetric and positive semi-definite. `reach`: positions move by so much times w (1, or a time step).
+  LitheStatus (*solve)(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra, double reach,
+                       const double *rhs, double *w, double tolerance, LitheIndex max_iterations,
+                       LthSolveReport *report);
+  LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
+} LthDiscSolver;
+
 /// What a discretisation does. Every vector of coefficients is of its own unknowns (n_dofs), function i and
 /// component a at 3 i + a; every matrix has its block rows. `x` is the position, `u` = x - rest.
 typedef struct LthDiscTable {
-  const char *name; ///< "dg", "cg"
+  const char *name;            ///< "dg", "cg", "staggered"
+  const LthDiscSolver *solver; ///< or NULL
 
-  /// Functions that are not zero in a cell of the mesh (func, ascending) and their values at x, which may lie
-  /// outside; returns how many.
+  /// Functions that are not zero in a cell (func, ascending) and their values at x, which may lie
+  /// outside; returns how many. Component a of function i has the value phi[3 i + a]: the components' functions
+  /// differ only where `is_split` says so.
   int (*eval)(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
               double *phi);
-  /// The same with gradients (n x 3) [1/m].
+  /// The same with gradients: d/dx_b of component a's function i at dphi[9 i + 3 a + b] [1/m].
   int (*eval_gradient)(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
                        double *dphi);
   /// Volume mean of the gradients over a cell.
   int (*mean_gradient)(const LthDisc *disc, LitheIndex cell, LitheIndex *func, double *dphi);
+  /// The cell that holds x, or one near it; `inside` may be NULL. NULL: as the mesh says.
+  LitheIndex (*find_cell)(const LthDisc *disc, const double x[3], bool *inside);
+  /// Coefficients of the field e_axis x (field of x): a rigid rotation. NULL: function by function.
+  void (*turn)(const LthDisc *disc, int axis, const double *x, double *y);
 
   /// Coefficients of the map x -> x (n_dofs) and of the function 1 (n_funcs).
   void (*rest)(const LthDisc *disc, double *x0);
@@ -86,7 +107,7 @@ typedef struct LthDiscTable {
   void (*assemble_load)(LthDisc *disc, double t, double *f0); ///< f0 alone
   double (*energy)(LthDisc *disc, double t, const double *x);
 
-  /// K += c M with the (consistent) mass; y = M v. `diagonal` (n_funcs): exact where the mass is diagonal,
+  /// K += c M with the (consistent) mass; y = M v. `diagonal` (n_dofs): exact where the mass is diagonal,
   /// else lumped, for scales and preconditioners.
   void (*add_mass)(const LthDisc *disc, double c, LthBlockMatrix *K);
   void (*apply_mass)(const LthDisc *disc, const double *v, double *y);
@@ -108,7 +129,11 @@ typedef struct LthDiscTable {
 
 struct LthDisc {
   const LthDiscTable *table;
-  const LthMesh *mesh; ///< polyhedra: the body's geometry, and whose cells the calls above mean
+  const LthMesh *
+      mesh; ///< polyhedra: the body's geometry, and whose cells the calls above mean; NULL: it has cells
+            ///< of its own
+  bool is_split; ///< the three components have functions of their own
+  LitheIndex n_cells;
   LitheIndex n_funcs, n_rows; ///< functions; block rows of the matrix
   LitheCount n_dofs;          ///< 3 n_funcs
   const LitheIndex *row_func; ///< first function of a block row            (n_rows + 1)
@@ -120,10 +145,20 @@ struct LthDisc {
 
 void lth_disc_destroy(LitheCtx *ctx, LthDisc **disc);
 
+/// Give each component its own copy of n rows of `width` values, in place: row i to 3 i, 3 i + 1, 3 i + 2.
+void lth_disc_spread(int n, int width, double *values);
+
 /// f += forces of a load of any kind at time t; x is read for followers only. [N] A point force is shared evenly
 /// by the cells that touch its place: on a node of conforming elements it acts on that node alone.
 LitheStatus lth_disc_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
                               const double *x, double *f);
+
+/// The cell of a place, or one near it; `inside` may be NULL.
+LitheStatus lth_disc_find_cell(LitheCtx *ctx, const LthDisc *disc, const double x[3],
+                               LitheIndex *cell, bool *inside);
+
+/// y = coefficients of e_axis x (the field of x).
+void lth_disc_turn(const LthDisc *disc, int axis, const double *x, double *y);
 
 /// Value and gradient (d value_a / d x_b, row-major) of a vector field at a place of a cell.
 void lth_disc_sample(const LthDisc *disc, LitheIndex cell, const double *coef, const double x[3],

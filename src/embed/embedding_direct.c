@@ -30,16 +30,19 @@ static LitheStatus make_rows(LitheCtx *ctx, const LthDisc *disc, LthEmbedding *e
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex p = 0; p < e->n_points; p++) {
     LitheIndex func[LTH_DISC_MAX_FUNCS];
-    double phi[LTH_DISC_MAX_FUNCS];
+    double phi[3 * LTH_DISC_MAX_FUNCS];
     e->off[p + 1] = disc->table->eval(disc, e->cell[p], e->rest + 3 * (size_t)p, func, phi);
   }
   for (LitheIndex p = 0; p < e->n_points; p++) e->off[p + 1] += e->off[p];
   LTH_NEW(ctx, e->sample, e->off[e->n_points]);
   LTH_NEW(ctx, e->weight, e->off[e->n_points]);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex p = 0; p < e->n_points; p++)
-    disc->table->eval(disc, e->cell[p], e->rest + 3 * (size_t)p, e->sample + e->off[p],
-                      e->weight + e->off[p]);
+  for (LitheIndex p = 0; p < e->n_points; p++) {
+    double phi[3 * LTH_DISC_MAX_FUNCS];
+    int n =
+        disc->table->eval(disc, e->cell[p], e->rest + 3 * (size_t)p, e->sample + e->off[p], phi);
+    for (int i = 0; i < n; i++) e->weight[e->off[p] + i] = phi[3 * i];
+  }
   return LITHE_OK;
 }
 

@@ -3,6 +3,8 @@
 
 #include "base/value.h"
 
+#include <stdbool.h>
+
 typedef enum LthMaterialModel {
   LTH_MATERIAL_LINEAR,    ///< small strain
   LTH_MATERIAL_COROTATED, ///< small strain in a rotated frame per element
@@ -24,3 +26,11 @@ static inline void lth_lame(double young, double poisson, double *lambda, double
   *mu = young / (2 * (1 + poisson));
   *lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
 }
+
+/// Young's modulus [Pa], Poisson's ratio and density [kg/m^3] wherever a body is. Thread-safe.
+typedef struct LthMaterialField {
+  void (*eval)(const void *self, const double x[3], double *young, double *poisson,
+               double *density);
+  const void *self;
+  bool is_uniform; ///< the same everywhere
+} LthMaterialField;

@@ -85,7 +85,7 @@ static LitheStatus add_sample(LitheCtx *ctx, const LthBody *body, LitheIndex num
 /// Four functions are the linear ones, and have one gradient in a cell.
 static bool varies_within(const LthDisc *disc, LitheIndex cell, const double x[3]) {
   LitheIndex func[LTH_DISC_MAX_FUNCS];
-  double phi[LTH_DISC_MAX_FUNCS];
+  double phi[3 * LTH_DISC_MAX_FUNCS];
   return disc->table->eval(disc, cell, x, func, phi) > 4;
 }
 

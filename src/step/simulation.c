@@ -27,8 +27,8 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
                         &s->f0,     &s->force,   &s->base,    &s->rhs, &s->solution,
                         &s->driven, &s->scratch, &s->factor_x};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
-  LTH_NEW(ctx, s->mass, s->n / 3);
-  LTH_NEW(ctx, s->row_mass, s->n / 3);
+  LTH_NEW(ctx, s->mass, s->n);
+  LTH_NEW(ctx, s->row_mass, s->n);
   LTH_NEW(ctx, s->cm, s->system->n_bodies);
   LTH_NEW(ctx, s->ck, s->system->n_bodies);
   return LITHE_OK;
@@ -50,9 +50,8 @@ static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
 
 /// Mass of what each function moves when all move alike: M 1.
 static void sum_rows_of_mass(LthSimulation *s) {
-  for (LitheCount i = 0; i < s->n; i++) s->scratch[i] = i % 3 == 0 ? s->system->one[i / 3] : 0;
-  lth_system_apply_mass(s->system, s->scratch, s->rhs);
-  for (LitheCount i = 0; i < s->n / 3; i++) s->row_mass[i] = s->rhs[3 * i];
+  for (LitheCount i = 0; i < s->n; i++) s->scratch[i] = s->system->one[i / 3];
+  lth_system_apply_mass(s->system, s->scratch, s->row_mass);
 }
 
 LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthStepOptions *options,

@@ -88,8 +88,8 @@ struct LthSimulation {
   double age_cost;                        // of the iterations that its age has added
 
   double *x_rest, *x, *v, *u; // coefficients                                        (n)
-  double *mass;               // lumped, per function [kg]
-  double *row_mass;           // M 1, per function [kg]
+  double *mass;               // lumped, per unknown [kg]
+  double *row_mass;           // M 1, per unknown [kg]
   double *cm, *ck;            // factors of M and K in the present system, per body
   double *f_ext, *f0;
   double *force;      // f_ext - f_int [N]

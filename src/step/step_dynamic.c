@@ -56,7 +56,7 @@ static void prepare_newmark(LthSimulation *s, double dt) {
   for (LitheCount i = 0; i < s->n; i++) {
     g->x_hat[i] = s->x[i] + g->H * s->v[i];
     g->v_hat[i] = s->v[i];
-    s->solution[i] = s->v[i] + (s->mass[i / 3] > 0 ? dt * g->f_old[i] / s->mass[i / 3] : 0);
+    s->solution[i] = s->v[i] + (s->mass[i] > 0 ? dt * g->f_old[i] / s->mass[i] : 0);
   }
 }
 

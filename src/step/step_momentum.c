@@ -9,16 +9,17 @@
 /// M v^ + H F - M v1, per unknown.
 static void balance_momentum(LthSimulation *s, LitheIndex group, const double *missing) {
   const LthSystem *system = s->system;
-  double sum[3] = {0}, mass = 0;
+  double sum[3] = {0}, mass[3] = {0}, shift[3];
   for (LitheIndex b = group; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
       if (s->rigid.group[b] != group || system->one[i] == 0) continue;
       lth_v3_axpy(system->one[i], missing + 3 * i, sum);
-      mass += system->one[i] * s->row_mass[i];
+      lth_v3_axpy(system->one[i], s->row_mass + 3 * i, mass);
     }
+  for (int a = 0; a < 3; a++) shift[a] = mass[a] > 0 ? sum[a] / mass[a] : 0;
   for (LitheIndex b = group; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++)
-      if (s->rigid.group[b] == group) lth_v3_axpy(system->one[i] / mass, sum, s->solution + 3 * i);
+      if (s->rigid.group[b] == group) lth_v3_axpy(system->one[i], shift, s->solution + 3 * i);
 }
 
 /// sum += weight sum of x_i x y_i over a body.

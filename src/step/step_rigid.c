@@ -94,12 +94,18 @@ LitheStatus lth_rigid_find(LitheCtx *ctx, LthSimulation *s) {
 
 void lth_rigid_measure(LthSimulation *s, LitheIndex b, const double *x, LthInertia *inertia) {
   const LthSystem *system = s->system;
+  double mass[3] = {0};
   *inertia = (LthInertia){0};
   for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
-    inertia->mass += system->one[i] * s->row_mass[i];
-    lth_v3_axpy(s->row_mass[i], x + 3 * i, inertia->center);
+    for (int a = 0; a < 3; a++) {
+      mass[a] += system->one[i] * s->row_mass[3 * i + a];
+      inertia->center[a] += s->row_mass[3 * i + a] * x[3 * i + a];
+    }
   }
-  lth_v3_scale(1 / inertia->mass, inertia->center);
+  for (int a = 0; a < 3; a++) {
+    inertia->center[a] = mass[a] > 0 ? inertia->center[a] / mass[a] : 0;
+    inertia->mass = fmax(inertia->mass, mass[a]);
+  }
 }
 
 /// y of a body = e_k x (x - c), or the translation along e_k for k - 3.

@@ -40,7 +40,7 @@ static double stiffness_per_mass(const LthSimulation *s) {
     const double *B = s->A->values + s->A->value_off[s->A->diagonal[row]];
     for (LitheCount i = 0; i < m; i++) {
       stiffness += fabs(B[i * m + i]);
-      mass += s->mass[(s->A->row_off[row] + i) / 3];
+      mass += s->mass[s->A->row_off[row] + i];
     }
   }
   return mass > 0 ? stiffness / mass : 0;

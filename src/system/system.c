@@ -196,7 +196,7 @@ void lth_system_apply_mass(const LthSystem *s, const double *v, double *y) {
 
 void lth_system_mass_diagonal(const LthSystem *s, double *mass) {
   for (LitheIndex b = 0; b < s->n_bodies; b++)
-    disc_of(s, b)->table->mass_diagonal(disc_of(s, b), mass + s->dof_first[b] / 3);
+    disc_of(s, b)->table->mass_diagonal(disc_of(s, b), mass + s->dof_first[b]);
 }
 
 LitheStatus lth_system_prescribe(const LthSystem *s, double t, double *x) {

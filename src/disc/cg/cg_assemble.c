@@ -199,4 +199,5 @@ void lth_cg_mass_diagonal(const LthDisc *disc, double *mass) {
       mass[row] += d->density[e] * lth_cg_tables(d, d->class_of[e]).lumped[d->node_local[k]];
     }
   }
+  lth_disc_spread(disc->n_funcs, 1, mass);
 }

@@ -169,6 +169,7 @@ static LitheStatus build(LitheCtx *ctx, const LthCgDef *def, LthCgDisc *d) {
   d->warped = def->warped;
   d->disc.table = &table;
   d->disc.mesh = def->mesh;
+  d->disc.n_cells = def->mesh->n_cells;
   d->disc.self = d;
   LITHE_TRY(check_def(ctx, def));
   LITHE_TRY(allocate(ctx, d));

@@ -91,6 +91,7 @@ int lth_cg_eval(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIn
     func[k] = lth_cg_nodes(d, e)[order[k]];
     phi[k] = value[order[k]];
   }
+  lth_disc_spread(n, 1, phi);
   return n;
 }
 
@@ -106,6 +107,7 @@ int lth_cg_eval_gradient(const LthDisc *disc, LitheIndex cell, const double x[3]
     func[k] = lth_cg_nodes(d, e)[order[k]];
     lth_v3_copy(gradient + 3 * order[k], dphi + 3 * k);
   }
+  lth_disc_spread(n, 3, dphi);
   return n;
 }
 
@@ -120,5 +122,6 @@ int lth_cg_mean_gradient(const LthDisc *disc, LitheIndex cell, LitheIndex *func,
     for (int a = 0; a < 3; a++)
       dphi[3 * k + a] = t.mean[3 * order[k] + a] / d->classes[class_index].volume;
   }
+  lth_disc_spread(n, 3, dphi);
   return n;
 }

@@ -20,20 +20,25 @@ static int list_funcs(const LthDgSpace *space, LitheIndex cell, LitheIndex *func
 
 static int eval(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
                 double *phi) {
+  int n = list_funcs(def_of(disc)->space, cell, func);
   lth_dg_eval(def_of(disc)->space, cell, x, phi);
-  return list_funcs(def_of(disc)->space, cell, func);
+  lth_disc_spread(n, 1, phi);
+  return n;
 }
 
 static int eval_gradient(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
                          double *dphi) {
+  int n = list_funcs(def_of(disc)->space, cell, func);
   lth_dg_eval_gradient(def_of(disc)->space, cell, x, dphi);
-  return list_funcs(def_of(disc)->space, cell, func);
+  lth_disc_spread(n, 3, dphi);
+  return n;
 }
 
 static int mean_gradient(const LthDisc *disc, LitheIndex cell, LitheIndex *func, double *dphi) {
   const LthDgSpace *space = def_of(disc)->space;
   int n = list_funcs(space, cell, func);
   memcpy(dphi, space->mean_gradient + 3 * (LitheCount)func[0], sizeof *dphi * 3 * (size_t)n);
+  lth_disc_spread(n, 3, dphi);
   return n;
 }
 
@@ -101,6 +106,7 @@ static void apply_mass(const LthDisc *disc, const double *v, double *y) {
 
 static void mass_diagonal(const LthDisc *disc, double *mass) {
   lth_dg_mass(def_of(disc)->space, def_of(disc)->density, mass);
+  lth_disc_spread(disc->n_funcs, 1, mass);
 }
 
 static LitheStatus add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
@@ -154,6 +160,7 @@ LitheStatus lth_dg_disc_create(LitheCtx *ctx, const LthDgDiscDef *def, LthDisc *
   d->def = *def;
   d->disc = (LthDisc){.table = &table,
                       .mesh = def->space->mesh,
+                      .n_cells = def->space->n_cells,
                       .n_funcs = def->space->n_funcs,
                       .n_rows = def->space->n_cells,
                       .n_dofs = def->space->n_dofs,

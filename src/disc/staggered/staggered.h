@@ -1,0 +1,72 @@
+/// The staggered discretisation of one body: fractions, materials and what is held to coefficients and unknowns.
+/// Dolny 2025, sections 3.3 and 4; docs/theory/staggered.md.
+#pragma once
+
+#include "disc/disc.h"
+#include "disc/staggered/staggered_level.h"
+#include "geometry/fractions.h"
+#include "material/material.h"
+
+/// What holds some unknowns: a constraint of the scene. `selects` is thread-safe; both it and `values` are asked at
+/// the unknown's own place.
+typedef struct LthStaggeredHold {
+  bool (*selects)(const void *self, const double x[3]);
+  const void *self;
+  bool fixed[3];
+  bool normal_only;  ///< a roller: only the component along the nearest boundary's normal, value[0]
+  bool is_position;  ///< value is the deformed place, not the displacement
+  LthValue value[3]; ///< [m]
+} LthStaggeredHold;
+
+typedef enum LthFormulation { LTH_FORM_DISPLACEMENT, LTH_FORM_MIXED } LthFormulation;
+
+typedef struct LthStaggeredDef {
+  const LthFractions
+      *fractions;            ///< of the solid, parts on held sides full already; borrowed for life
+  const LthShape *shape;     ///< for nearest boundary points and normals; borrowed for life
+  LthMaterialField material; ///< borrowed for life
+  LthMaterialModel model;
+  LthFormulation formulation;
+  const LthStaggeredHold *holds; ///< borrowed for life                          (n_holds)
+  LitheIndex n_holds;
+  double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
+} LthStaggeredDef;
+
+/// Immutable but for the state of the linearisation that update_rotations() keeps.
+typedef struct LthStaggered {
+  LthDisc disc; ///< disc.self is this struct; disc.mesh is NULL
+  LitheCtx *ctx;
+  int dim;
+  const LthFractions *fractions;
+  const LthShape *shape;
+  const LthSparseGrid *grid; ///< that of the fractions
+  LthMaterialField material;
+  LthMaterialModel model;
+  LthFormulation formulation;
+  LthStaggeredLevel level; ///< weighted coefficients and states
+  double *volume;          ///< V of cells, 0 where rule A leaves them out             (n_slots)
+
+  LitheIndex *func;      ///< function of a slot, -1 where none of its unknowns is alive   (n_slots)
+  LitheCount *slot;      ///< slot of a function, ascending                                (n_funcs)
+  LitheIndex *cell;      ///< cell of a slot, -1 where it holds nothing                    (n_slots)
+  LitheCount *cell_slot; ///< slot of a cell, ascending                               (disc.n_cells)
+
+  const LthStaggeredHold *holds;
+  LitheIndex n_holds;
+  uint8_t *held;    ///< per unknown: held by a constraint, or dead                  (n_dofs)
+  LitheIndex *hold; ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
+  void *nonlinear;  ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
+  void *solver;     ///< of matrix-free solves (staggered_solver.c), or NULL
+} LthStaggered;
+
+static inline LthStaggered *lth_staggered_of(const LthDisc *disc) { return disc->self; }
+
+/// LITHE_BAD_INPUT: nothing is left by rule A, a material out of range, nu = 0.5 without the mixed form.
+LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc);
+
+/// Where the unknown of component a of a function is at rest [m].
+void lth_staggered_place(const LthStaggered *s, LitheIndex func, int a, double x[3]);
+
+/// Unknowns that are held (n_dofs), and their places at time t, for LthSystemBody.
+const uint8_t *lth_staggered_held(const LthDisc *disc);
+LitheStatus lth_staggered_prescribe(const void *disc, double t, double *x);

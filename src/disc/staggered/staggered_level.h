@@ -1,0 +1,29 @@
+/// Variational finite differences on one staggered grid: coefficients and unknowns of one level.
+/// Dolny 2025, sections 3.3 and 4; docs/theory/staggered.md.
+#pragma once
+
+#include "geometry/sparse_grid.h"
+
+/// What an unknown is. Rule A (docs/theory/staggered.md) says which are dead: they carry no stiffness and no mass.
+typedef enum LthUnknownState {
+  LTH_UNKNOWN_DEAD,
+  LTH_UNKNOWN_FREE,
+  LTH_UNKNOWN_HELD
+} LthUnknownState;
+
+/// All arrays are over slots of the grid (n_slots). At the slot of cell (i, j, k) stand: at the cell's centre the
+/// normal strains; component a of the displacement at the centre of its low face across axis a; shear e at the
+/// middle of its low edge along axis e (0: yz, 1: zx, 2: xy; in 2D only 2, at its low corner).
+///
+///   E(u) = sum over cells of |cell| [ mu sum_a e_aa^2 + lambda/2 (sum_a e_aa)^2 ] + sum over edges of
+///          |cell| shear_e / 2 g_e^2
+///
+/// with e_xx = (x_{i+1} - x_i) / h_x and g_xy = (x_j - x_{j-1}) / h_y + (y_i - y_{i-1}) / h_x; the weights contain the
+/// volume fractions. A sample counts only where its weight is not zero.
+typedef struct LthStaggeredLevel {
+  const LthSparseGrid *grid;
+  double *lambda, *mu; ///< V lambda, V mu of cells [Pa]
+  double *shear[3];    ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
+  double *mass[3];     ///< V rho of faces [kg/m^3]; 2D: [2] is NULL
+  uint8_t *state[3];   ///< LthUnknownState of faces; 2D: [2] is NULL
+} LthStaggeredLevel;
