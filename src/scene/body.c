@@ -74,6 +74,11 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
 
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
                                  LthBody **body) {
+  if (def->method_kind == LTH_METHOD_STAGGERED)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s.method.kind: known but not available in this version, got \"staggered\"; "
+               "available: dg or cg",
+               def->place);
   LTH_NEW(ctx, *body, 1);
   (*body)->scene = scene;
   (*body)->def = def;

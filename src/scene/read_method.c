@@ -105,8 +105,31 @@ static void read_cg(LthReader *r, const LthNode *node, LthSceneBody *body) {
                lth_show(r->arena, element), has_hexahedra ? "another degree" : "another mesh");
 }
 
+/// What the staggered grid takes of the method.
+static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body) {
+  static const char *const formulations[] = {"auto", "displacement", "mixed", NULL};
+  const LthNode *fractions = lth_node_get(node, "fractions");
+  LthNode *mesh = lth_node_find(node, "mesh");
+  body->formulation = (LthFormulation)lth_read_word(node, "formulation", formulations);
+  body->has_fractions = is_given(node, "fractions");
+  body->fractions = (LthFractionDef){.method = LTH_FRACTIONS_EXACT};
+  if (lth_node_is_text(fractions, "smooth")) body->fractions.method = LTH_FRACTIONS_SMOOTH;
+  if (fractions && fractions->kind == LTH_NODE_MAP) {
+    body->fractions.method = LTH_FRACTIONS_SAMPLES;
+    body->fractions.samples = lth_read_integer(fractions, "samples", 2);
+    if (body->fractions.samples % 2 != 0)
+      lth_report(r->report, lth_node_find(fractions, "samples"),
+                 "control volumes share halves of cells, got %d samples; expected an even number",
+                 body->fractions.samples);
+  }
+  if (is_given(node, "mesh"))
+    lth_report_key(r->report, mesh,
+                   "a staggered grid has no mesh, got %s; expected cells, cell_size or grid alone",
+                   lth_show(r->arena, mesh));
+}
+
 void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
-  static const char *const kinds[] = {"dg", "cg", NULL};
+  static const char *const kinds[] = {"dg", "cg", "staggered", NULL};
   static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
                                        "voxels", "embedded",  NULL};
   static const char *const fluxes[] = {"ip", "bz", NULL};
@@ -124,6 +147,10 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   body->resolution.has_grid = grid != NULL;
   if (grid) read_grid(r, grid, &body->resolution.grid);
   read_penalty(lth_node_get(node, "penalty"), body);
+  if (body->method_kind == LTH_METHOD_STAGGERED) {
+    read_staggered(r, node, body);
+    return;
+  }
   if (!lth_method_has_file(node) && is_given(node, "mesh")) check_mesh_of(r, node, body);
   if (body->method_kind == LTH_METHOD_CG) read_cg(r, node, body);
 }
@@ -139,7 +166,21 @@ static const char *why_mass(const LthReader *r) {
   return lth_v3_norm(gravity) > 0 ? "gravity acts" : NULL;
 }
 
-static LitheStatus read_one(LthReader *r, const LthNode *node, LthSceneMaterial *out) {
+/// What keeps its volume needs a pressure of its own.
+static void check_poisson(LthReader *r, const LthNode *node, const LthSceneBody *body) {
+  if (lth_read_number(node, "poisson_ratio", 0) < 0.5) return;
+  bool is_staggered = body->method_kind == LTH_METHOD_STAGGERED;
+  if (is_staggered && body->formulation != LTH_FORMULATION_DISPLACEMENT) return;
+  lth_report(r->report, lth_node_find(node, "poisson_ratio"),
+             "only the mixed formulation keeps volumes, got 0.5 with %s; expected a number < 0.5, "
+             "or `kind: staggered` with `formulation: mixed`",
+             is_staggered                         ? "formulation displacement"
+             : body->method_kind == LTH_METHOD_CG ? "kind cg"
+                                                  : "kind dg");
+}
+
+static LitheStatus read_one(LthReader *r, const LthNode *node, const LthSceneBody *body,
+                            LthSceneMaterial *out) {
   static const char *const models[] = {"linear", "corotated", NULL};
   LthMaterial *m = &out->material;
   m->model = lth_node_get(node, "model") ? (LthMaterialModel)lth_read_word(node, "model", models)
@@ -147,6 +188,7 @@ static LitheStatus read_one(LthReader *r, const LthNode *node, LthSceneMaterial 
   m->young = lth_read_value(node, "young_modulus");
   m->poisson = lth_read_value(node, "poisson_ratio");
   m->density = lth_read_value(node, "density");
+  check_poisson(r, node, body);
   const char *why = why_mass(r);
   if (node->kind == LTH_NODE_MAP && !node->bad && !lth_node_find(node, "density")) {
     m->density = lth_value_constant(ANY_DENSITY);
@@ -195,11 +237,11 @@ LitheStatus lth_read_material(LthReader *r, const LthNode *node, LthSceneBody *b
   if (!is_list) {
     body->n_materials = 1;
     bind_numbers(r, node);
-    return read_one(r, node, &body->materials[0]);
+    return read_one(r, node, body, &body->materials[0]);
   }
   for (const LthNode *item = node->first; item; item = item->next) {
     bind_numbers(r, item);
-    LITHE_TRY(read_one(r, item, &body->materials[body->n_materials++]));
+    LITHE_TRY(read_one(r, item, body, &body->materials[body->n_materials++]));
   }
   check_list(r, node, body);
   return LITHE_OK;

@@ -176,6 +176,8 @@ void lth_read_output(LthReader *r) {
   check_none(r, lth_node_find(output, "fields"));
   check_none(r, lth_node_find(output, "surface"));
   scene->fields_vtu = names_format(fields, "vtu");
+  scene->fields_vti = names_format(fields, "vti");
+  scene->fields_nifti = names_format(fields, "nifti");
   scene->surface_pc2 = names_format(surface, "pc2");
   scene->surface_obj = names_format(surface, "obj");
   scene->surface_ply = names_format(surface, "ply");

@@ -26,6 +26,7 @@ static LitheStatus read_parts(LthReader *r) {
   const LthNode *root = r->root;
   const char *title = lth_read_text(root, "title");
   r->scene->title = lth_arena_text(r->arena, title ? title : "", title ? strlen(title) : 0);
+  r->scene->dimension = lth_node_is_text(lth_node_get(root, "dimension"), "2") ? 2 : 3;
   lth_read_vector(root, "gravity", r->scene->gravity);
   lth_read_time(r);
   LITHE_TRY(lth_read_bodies(r));

@@ -5,13 +5,21 @@
 #include "base/value.h"
 #include "disc/dg/dg_operator.h"
 #include "embed/embedding.h"
+#include "geometry/fractions.h"
 #include "geometry/shape.h"
 #include "material/material.h"
 #include "mesh/element_mesh.h"
 #include "mesh/selection.h"
 #include "step/simulation.h"
 
-typedef enum LthMethodKind { LTH_METHOD_DG, LTH_METHOD_CG } LthMethodKind;
+typedef enum LthMethodKind { LTH_METHOD_DG, LTH_METHOD_CG, LTH_METHOD_STAGGERED } LthMethodKind;
+
+/// Of staggered bodies. Auto: mixed where a Poisson's ratio is 0.45 or more.
+typedef enum LthFormulation {
+  LTH_FORMULATION_AUTO,
+  LTH_FORMULATION_DISPLACEMENT,
+  LTH_FORMULATION_MIXED
+} LthFormulation;
 
 typedef enum LthMeshKind {
   LTH_MESH_SLICE,
@@ -84,6 +92,9 @@ typedef struct LthSceneBody {
   LthPenaltyKind penalty;
   double eta;
   double sliver;
+  LthFractionDef fractions;   ///< of staggered
+  bool has_fractions;         ///< false: the user leaves `fractions` to us
+  LthFormulation formulation; ///< of staggered
   LthSceneConstraint *constraints;
   LitheIndex n_constraints;
   LthSceneLoad *loads;
@@ -121,6 +132,7 @@ typedef struct LthSceneProbe {
 typedef struct LthScene {
   char *title, *file, *directory; ///< file as given; directory that paths are relative to
   char *name;                     ///< stem of the file: the default output folder's name
+  int dimension;                  ///< 3, or 2: plane strain, where all places have z = 0
   LthSceneBody *bodies;           ///< one or more (n_bodies)
   LitheIndex n_bodies;
   double gravity[3]; ///< [m/s^2]
@@ -150,7 +162,7 @@ typedef struct LthScene {
   bool has_exact_displacement, exact_is_position, has_exact_stress;
   LthValue exact[3], exact_stress[9];
   double output_every; ///< [s]; 0: every step; negative: `last`
-  bool fields_vtu;
+  bool fields_vtu, fields_vti, fields_nifti;
   bool surface_pc2, surface_obj, surface_ply, surface_stl;
   bool output_in_file_space;
   double checkpoint_period; ///< of wall clock [s]; negative: no checkpoints
