@@ -1,6 +1,7 @@
 /// The small interface of a discretisation: all that embedding, stepping and output know of dg and cg.
 #pragma once
 
+#include "base/archive.h"
 #include "la/krylov.h"
 #include "mesh/selection.h"
 
@@ -65,6 +66,9 @@ typedef struct LthDiscSolver {
   LitheStatus (*solve)(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra, double reach,
                        const double *rhs, double *w, double tolerance, LitheIndex max_iterations,
                        LthSolveReport *report);
+  /// Positions for w = 0 (n_dofs), held unknowns where they will be: constraints on positions start from there. NULL:
+  /// the discretisation has none. Before every solve() whose w moves the body; x is read at once.
+  void (*aim)(LthDisc *disc, const double *x);
   LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
 } LthDiscSolver;
 
@@ -123,6 +127,8 @@ typedef struct LthDiscTable {
   /// Cauchy stress at a place of a cell: xx yy zz yz zx xy [Pa].
   void (*stress)(const LthDisc *disc, LitheIndex cell, const double *x, const double at[3],
                  double stress[6]);
+  /// Memory from step to step (pressures at nu = 0.5); NULL: it has none.
+  void (*archive)(LthDisc *disc, LthArchive *archive);
   /// Free the discretisation itself; what it borrows stays.
   void (*destroy)(LitheCtx *ctx, LthDisc *disc);
 } LthDiscTable;

@@ -32,6 +32,10 @@ static void walk_stage(LthSimulation *s, LthArchive *a) {
 }
 
 static void walk_memory(const LthSystem *system, LthArchive *a) {
+  for (LitheIndex b = 0; b < system->n_bodies; b++) {
+    LthDisc *disc = system->bodies[b].disc;
+    if (disc->table->archive) disc->table->archive(disc, a);
+  }
   for (LitheIndex c = 0; c < system->n_contacts; c++) lth_contact_archive(system->contacts[c], a);
   for (LitheIndex c = 0; c < system->n_couplings; c++)
     if (system->couplings[c].archive) system->couplings[c].archive(system->couplings[c].self, a);
