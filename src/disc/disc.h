@@ -57,6 +57,10 @@ typedef struct LthDisc LthDisc;
 /// Solves of a discretisation that needs no matrix for them. Vectors are of its own unknowns; what is held or dead
 /// has rows and columns of the identity, and right-hand sides are zero there.
 typedef struct LthDiscSolver {
+  /// f = internal force at a position x: K (x - rest) where the body is linear.
+  void (*force)(const LthDisc *disc, int threads, const double *x, double *f);
+  /// Diagonal of cm M + ck K, 0 at what is held or missing.
+  void (*diagonal)(const LthDisc *disc, double cm, double ck, double *d);
   /// y = (cm M + ck K) x with K as linearised last; held unknowns of x count, y is zero there.
   void (*apply)(const LthDisc *disc, int threads, double cm, double ck, const double *x, double *y);
   /// Make ready for cm M + ck K as linearised last; allocates at the first call alone.
@@ -92,6 +96,8 @@ typedef struct LthDiscTable {
   LitheIndex (*find_cell)(const LthDisc *disc, const double x[3], bool *inside);
   /// Coefficients of the field e_axis x (field of x): a rigid rotation. NULL: function by function.
   void (*turn)(const LthDisc *disc, int axis, const double *x, double *y);
+  /// Number of connected parts, and that of each block row (n_rows). NULL: as the blocks of the matrix couple them.
+  LitheIndex (*parts)(const LthDisc *disc, LitheIndex *part_of);
 
   /// Coefficients of the map x -> x (n_dofs) and of the function 1 (n_funcs).
   void (*rest)(const LthDisc *disc, double *x0);

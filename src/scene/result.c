@@ -94,8 +94,9 @@ static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
   lth_json_integer(json, "elements",
                    body->cell_element ? body->elements->n_elements : body->mesh->n_cells);
   lth_json_integer(json, "dofs", body->disc->n_dofs);
-  lth_json_integer(json, "nonzeros",
-                   count_nonzeros(K, body->first, body->first + body->disc->n_dofs));
+  if (K)
+    lth_json_integer(json, "nonzeros",
+                     count_nonzeros(K, body->first, body->first + body->disc->n_dofs));
   lth_json_number(json, "volume", volume);
   lth_json_number(json, "mass", body->mass);
   if (body->op) {

@@ -41,6 +41,7 @@ static LthStepOptions step_options(const LthScene *scene) {
   LthStepOptions options = lth_step_options_default();
   options.integrator = scene->integrator;
   options.linear = scene->linear;
+  options.needs_matrix = scene->condition || scene->export_path;
   if (scene->tolerance > 0) options.tolerance = scene->tolerance;
   if (scene->newton_tolerance > 0) options.newton_tolerance = scene->newton_tolerance;
   if (scene->newton_iterations > 0) options.newton_iterations = scene->newton_iterations;

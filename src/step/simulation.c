@@ -23,10 +23,10 @@ static LitheStatus check_options(LitheCtx *ctx, const LthStepOptions *o) {
 }
 
 static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
-  double **vectors[] = {&s->x_rest, &s->x,       &s->v,       &s->u,   &s->f_ext,
-                        &s->f0,     &s->force,   &s->base,    &s->rhs, &s->solution,
-                        &s->driven, &s->scratch, &s->factor_x};
+  double **vectors[] = {&s->x_rest, &s->x,    &s->v,   &s->u,        &s->f_ext,  &s->f0,
+                        &s->force,  &s->base, &s->rhs, &s->solution, &s->driven, &s->scratch};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
+  if (!s->own) LTH_NEW(ctx, s->factor_x, s->n);
   LTH_NEW(ctx, s->mass, s->n);
   LTH_NEW(ctx, s->row_mass, s->n);
   LTH_NEW(ctx, s->cm, s->system->n_bodies);
@@ -35,6 +35,8 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
 }
 
 static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
+  if (s->system->has_held) LTH_NEW(ctx, s->held_force, s->n);
+  if (s->own) return LITHE_OK;
   LITHE_TRY(lth_system_matrix_create(ctx, s->system, &s->A));
   LITHE_TRY(lth_block_jacobi_create(ctx, s->A, &s->jacobi));
   LITHE_TRY(lth_reduction_create(ctx, s->A, s->jacobi, &s->reduction));
@@ -44,7 +46,6 @@ static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
     s->n_extra += m * m;
   }
   if (s->has_contact) LTH_NEW(ctx, s->extra, s->n_extra);
-  if (s->system->has_held) LTH_NEW(ctx, s->held_force, s->n);
   return LITHE_OK;
 }
 
@@ -67,6 +68,7 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   s->n = system->n;
   s->report = (LthStepReport){.converged = true, .linear = "pcg", .linear_reason = "as asked"};
   s->has_contact = system->n_contacts > 0;
+  if (lth_step_needs_no_matrix(system, options)) s->own = lth_system_solver(system);
   if (s->options.max_iterations <= 0)
     s->options.max_iterations = (LitheIndex)(10 * sqrt((double)s->n)) + 1000;
   LITHE_TRY_OR(done, allocate_vectors(ctx, s));

@@ -29,6 +29,7 @@ typedef struct LthStepOptions {
   double newton_tolerance;   ///< relative residual of static equilibrium
   LitheIndex newton_iterations;
   double memory_limit; ///< bytes that `auto` may plan for; 0: three quarters of the machine's
+  bool needs_matrix;   ///< somebody wants to look at lth_simulation_matrix()
 } LthStepOptions;
 
 LthStepOptions lth_step_options_default(void);
@@ -38,6 +39,9 @@ LthStepOptions lth_step_options_default(void);
 /// counted a factor's operations, because that costs more than iterations.
 bool lth_step_foresees_levels(const LthBlockMatrix *A, double memory_limit);
 bool lth_step_prefers_levels(const LthBlockMatrix *A, double flops);
+
+/// Whether a system is solved without a matrix: it can be, and nothing speaks against it.
+bool lth_step_needs_no_matrix(const LthSystem *system, const LthStepOptions *options);
 
 /// Running totals and the last step's figures.
 typedef struct LthStepReport {
@@ -72,6 +76,7 @@ double lth_simulation_time(const LthSimulation *sim);
 
 /// Put the clock where the steps were meant to lead [s]: sums of equal steps drift by rounding.
 void lth_simulation_set_time(LthSimulation *sim, double t);
+/// NULL where the only body is solved without one.
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
 /// External less internal force at the present state, after a step less the forces of inertia and damping too,

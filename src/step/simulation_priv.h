@@ -55,7 +55,8 @@ struct LthSimulation {
   LitheCount n; // unknowns
   double t;     // [s]
 
-  LthBlockMatrix *A; // K as assembled, then cm M + ck K
+  const LthDiscSolver *own; // of the only body, which needs no matrix; NULL: all of the following
+  LthBlockMatrix *A;        // K as assembled, then cm M + ck K; NULL with `own`
   LthBlockJacobi *jacobi;
   LthReduction *reduction; // red-black form of A, where there is no contact
   LthCg *cg;
@@ -106,6 +107,12 @@ struct LthSimulation {
   double *best; // and the state of the smallest residual
 };
 
+/// y = A x with A as it stands: K after lth_step_assemble(), cm M + ck K after lth_step_combine().
+void lth_step_apply(const LthSimulation *s, int threads, const double *x, double *y);
+
+/// Diagonal of A as it stands (n).
+void lth_step_diagonal(const LthSimulation *s, double *d);
+
 /// Rotations from x, K into A, f0 at time t, force = f_ext(t) + f0 - K at.
 LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const double *at);
 
@@ -118,6 +125,11 @@ void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck, dou
 
 /// base -= A driven; rows and columns of held unknowns become those of the identity.
 void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
+
+/// With `own`: make ready for A as it stands; solve (A + extra) solution = rhs from the solution given.
+LitheStatus lth_step_prepare_own(LitheCtx *ctx, LthSimulation *s);
+LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperator *extra,
+                               double tolerance, LthSolveReport *report);
 
 /// Ordering and symbolic analysis of A, once.
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s);
@@ -167,6 +179,10 @@ void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double
 
 /// y = base - A solution over free unknowns, contact left out.
 void lth_step_defect(LitheCtx *ctx, LthSimulation *s, double *y);
+
+/// y of a body = e_k x (x - c), or the translation along e_k for k - 3.
+void lth_rigid_motion(const LthSimulation *s, LitheIndex b, const LthInertia *inertia, int k,
+                      const double *x, double *y);
 
 /// Keep the state at the start of a step; allocates at the first.
 LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s);

@@ -127,6 +127,7 @@ static void walk_levels(LthSimulation *s, LthArchive *a) {
 
 /// What solvers keep is made again in s->x, which waits elsewhere.
 static void walk_solvers(LthSimulation *s, LthArchive *a) {
+  if (s->own) return;
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   if (a->is_reading) memcpy(s->solution, s->x, bytes);
   walk_choice(s, a);

@@ -16,6 +16,8 @@
 #define LEVELS_CYCLE 4.5             // products
 #define LEVELS_ITERATIONS 60         // what multigrid is expected to take for an equilibrium
 #define LEVELS_STEP_ITERATIONS 20    // and in a step
+#define OWN_CONTACT_UNKNOWNS                                                                       \
+  300000 // contact is better preconditioned with a matrix, where that is small enough
 
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s) {
   if (s->factor) return LITHE_OK;
@@ -54,6 +56,14 @@ bool lth_step_prefers_levels(const LthBlockMatrix *A, double flops) {
   double levels = lth_multilevel_update_cost(A, LTH_STEP_LINEAR) +
                   LEVELS_ITERATIONS * (1 + LEVELS_CYCLE) * product;
   return flops > CHOLESKY_SMALL && FLOP_COST * flops > levels;
+}
+
+bool lth_step_needs_no_matrix(const LthSystem *system, const LthStepOptions *o) {
+  if (o->needs_matrix || (o->linear != LTH_LINEAR_AUTO && o->linear != LTH_LINEAR_MULTIGRID))
+    return false;
+  if (system->n_contacts > 0 && o->linear == LTH_LINEAR_AUTO && system->n < OWN_CONTACT_UNKNOWNS)
+    return false;
+  return lth_system_solver(system) != NULL;
 }
 
 static LitheStatus take_cholesky(LitheCtx *ctx, LthSimulation *s, const char *reason) {
@@ -114,7 +124,7 @@ static const char *why_not_cholesky(LitheCtx *ctx, LthSimulation *s) {
 void lth_step_tally(LthSimulation *s) {
   const LthLinearChoice solver = s->solver;
   double setup, iteration;
-  if (s->options.linear != LTH_LINEAR_AUTO && solver != LTH_LINEAR_MULTIGRID) return;
+  if (s->own || (s->options.linear != LTH_LINEAR_AUTO && solver != LTH_LINEAR_MULTIGRID)) return;
   solver_cost(s, solver, &setup, &iteration);
   double cost = s->report.linear_iterations * iteration;
   if (solver != LTH_LINEAR_PCG) {
@@ -176,6 +186,10 @@ static LitheStatus choose_dynamic(LitheCtx *ctx, LthSimulation *s) {
 }
 
 static LitheStatus choose(LitheCtx *ctx, LthSimulation *s, bool is_static) {
+  if (s->own) {
+    take(s, LTH_LINEAR_MULTIGRID, "a linear body on a grid of its own needs no matrix");
+    return LITHE_OK;
+  }
   if (s->options.linear == LTH_LINEAR_CHOLESKY) return take_cholesky(ctx, s, "as asked");
   if (s->options.linear != LTH_LINEAR_AUTO) {
     take(s, s->options.linear, "as asked");
@@ -202,6 +216,7 @@ LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static) {
 }
 
 static LitheStatus make(LitheCtx *ctx, LthSimulation *s, double h) {
+  if (s->own) return lth_step_prepare_own(ctx, s);
   if (s->solver == LTH_LINEAR_CHOLESKY) return s->engine->factorize(ctx, s->factor, s->A);
   if (s->solver == LTH_LINEAR_PCG) return lth_block_jacobi_update(ctx, s->jacobi, s->A, NULL);
   if (s->levels) return lth_step_update_levels(ctx, s);
@@ -233,6 +248,7 @@ LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s) {
 
 /// A factor that was asked for is exact; `auto` keeps it as a preconditioner.
 static bool lags(const LthSimulation *s) {
+  if (s->own) return false;
   return s->solver == LTH_LINEAR_MULTIGRID ||
          (s->solver == LTH_LINEAR_CHOLESKY && s->options.linear == LTH_LINEAR_AUTO);
 }

@@ -68,7 +68,7 @@ static LitheStatus find_start_force(LitheCtx *ctx, LthSimulation *s, double dt) 
   memcpy(g->f_start, s->f_ext, sizeof *s->f_ext * (size_t)s->n);
   lth_rigid_prepare(s, s->x);
   lth_system_apply_mass(system, s->v, s->rhs);
-  lth_block_matrix_apply(s->A, lth_threads(ctx), s->v, s->scratch);
+  lth_step_apply(s, lth_threads(ctx), s->v, s->scratch);
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)
       g->f_old[i] = s->force[i] - system->bodies[b].damping_mass * s->rhs[i] -

@@ -31,6 +31,7 @@ LitheStatus lth_step_update_levels(LitheCtx *ctx, LthSimulation *s) {
 }
 
 LitheStatus lth_step_refresh(LitheCtx *ctx, LthSimulation *s) {
+  if (s->own) return LITHE_OK;
   if (s->solver == LTH_LINEAR_MULTIGRID)
     return lth_multilevel_refresh(ctx, s->levels, contact_part(s));
   if (s->solver == LTH_LINEAR_PCG)

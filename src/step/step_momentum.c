@@ -23,12 +23,12 @@ static void balance_momentum(LthSimulation *s, LitheIndex group, const double *m
 }
 
 /// sum += weight sum of x_i x y_i over a body.
-static void add_moment(const LthSystem *system, LitheIndex b, double weight, const double *x,
+static void add_moment(const LthSimulation *s, LitheIndex b, double weight, const double *x,
                        const double *y, double sum[3]) {
-  for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
-    double moment[3];
-    lth_v3_cross(x + 3 * i, y + 3 * i, moment);
-    lth_v3_axpy(weight, moment, sum);
+  const LitheCount first = s->system->dof_first[b], n = s->system->dof_first[b + 1] - first;
+  for (int k = 0; k < 3; k++) { // e_k . (x x y) = (e_k x x) . y
+    lth_disc_turn(s->system->bodies[b].disc, k, x + first, s->u + first);
+    sum[k] += weight * lth_dot(1, n, s->u + first, y + first);
   }
 }
 
@@ -36,12 +36,12 @@ static void add_moment(const LthSystem *system, LitheIndex b, double weight, con
 static void add_impulse(const LthSimulation *s, LitheIndex b, double dt, double sum[3]) {
   const LthStage *g = &s->stage;
   if (!g->is_second_order) {
-    add_moment(s->system, b, dt, g->x_start, s->f_ext, sum);
+    add_moment(s, b, dt, g->x_start, s->f_ext, sum);
     return;
   }
-  add_moment(s->system, b, 0.5 * dt, g->x_start, g->f_start, sum);
-  add_moment(s->system, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
-  add_moment(s->system, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
+  add_moment(s, b, 0.5 * dt, g->x_start, g->f_start, sum);
+  add_moment(s, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
+  add_moment(s, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
 }
 
 /// A turn takes away what the solution misses of L1 = L0 + moment of the external forces. Frozen rotations leave a
@@ -54,9 +54,9 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   double missing[3] = {0}, C[9], turn[3], det = 0;
   lth_rigid_inertia(s, b, g->x_hat, s->scratch, s->rhs, &inertia);
   lth_system_apply_body_mass(system, b, s->v, s->rhs);
-  add_moment(system, b, 1, g->x_start, s->rhs, missing);
+  add_moment(s, b, 1, g->x_start, s->rhs, missing);
   lth_system_apply_body_mass(system, b, s->solution, s->rhs);
-  add_moment(system, b, -1, g->x_hat, s->rhs, missing);
+  add_moment(s, b, -1, g->x_hat, s->rhs, missing);
   add_impulse(s, b, dt, missing);
 
   lth_m3_cofactor(inertia.tensor, C);
@@ -64,12 +64,10 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   if (!(det > 0)) return;
   lth_m3_apply(C, missing, turn); // the inverse: C is symmetric
   lth_v3_scale(1 / det, turn);
-  for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
-    double d[3], v[3];
-    lth_v3_copy(g->x_hat + 3 * i, d);
-    lth_v3_axpy(-system->one[i], inertia.center, d);
-    lth_v3_cross(turn, d, v);
-    lth_v3_add(s->solution + 3 * i, v, s->solution + 3 * i);
+  for (int k = 0; k < 3; k++) {
+    lth_rigid_motion(s, b, &inertia, k, g->x_hat, s->scratch);
+    for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)
+      s->solution[i] += turn[k] * s->scratch[i];
   }
 }
 

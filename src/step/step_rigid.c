@@ -30,8 +30,10 @@ static void resist_translation(const LthSimulation *s, LitheIndex row, double E[
 static bool is_free(const LthSimulation *s, LitheIndex b) {
   const LthSystem *system = s->system;
   double E[9] = {0}, size = 0, rest = 0;
+  for (LitheCount i = system->dof_first[b]; system->has_held && i < system->dof_first[b + 1]; i++)
+    if (system->held[i] == LTH_HELD) return false;
+  if (s->own) return system->bodies[b].disc->n_weak == 0;
   for (LitheIndex row = system->row_first[b]; row < system->row_first[b + 1]; row++) {
-    if (system->has_held && system->row_held[row]) return false;
     resist_translation(s, row, E, &size);
   }
   for (int k = 0; k < 9; k++) rest = fmax(rest, fabs(E[k]));
@@ -43,7 +45,7 @@ static void find_groups(LthSimulation *s) {
   const LthSystem *system = s->system;
   LthRigid *r = &s->rigid;
   lth_sets_reset(r->group, system->n_bodies);
-  for (LitheIndex row = 0; row < system->n_rows; row++)
+  for (LitheIndex row = 0; !s->own && row < system->n_rows; row++)
     for (LitheCount e = s->A->block_off[row]; e < s->A->block_off[row + 1]; e++)
       lth_sets_unite(r->group, system->row_body[row], system->row_body[s->A->block_col[e]]);
   for (LitheIndex b = 0; b < system->n_bodies; b++) {
@@ -108,19 +110,17 @@ void lth_rigid_measure(LthSimulation *s, LitheIndex b, const double *x, LthInert
   }
 }
 
-/// y of a body = e_k x (x - c), or the translation along e_k for k - 3.
-static void fill_motion(const LthSimulation *s, LitheIndex b, const LthInertia *inertia, int k,
-                        const double *x, double *y) {
+void lth_rigid_motion(const LthSimulation *s, LitheIndex b, const LthInertia *inertia, int k,
+                      const double *x, double *y) {
   const LthSystem *system = s->system;
-  for (LitheCount i = system->dof_first[b] / 3; i < system->dof_first[b + 1] / 3; i++) {
-    double axis[3] = {k % 3 == 0, k % 3 == 1, k % 3 == 2}, d[3];
-    lth_v3_copy(x + 3 * i, d);
-    lth_v3_axpy(-system->one[i], inertia->center, d);
-    lth_v3_cross(axis, d, y + 3 * i);
-    if (k < 3) continue;
-    lth_v3_copy(axis, y + 3 * i);
-    lth_v3_scale(system->one[i], y + 3 * i);
-  }
+  const LitheCount first = system->dof_first[b], last = system->dof_first[b + 1];
+  double *d = s->u; // free between calls
+  for (LitheCount i = first; i < last; i++)
+    if (k < 3)
+      d[i] = x[i] - system->one[i / 3] * inertia->center[i % 3];
+    else
+      y[i] = i % 3 == k - 3 ? system->one[i / 3] : 0;
+  if (k < 3) lth_disc_turn(system->bodies[b].disc, k, d + first, y + first);
 }
 
 void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *motion,
@@ -128,10 +128,10 @@ void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *
   const LitheCount first = s->system->dof_first[b], n = s->system->dof_first[b + 1] - first;
   lth_rigid_measure(s, b, x, inertia);
   for (int k = 0; k < 3; k++) {
-    fill_motion(s, b, inertia, k, x, motion);
+    lth_rigid_motion(s, b, inertia, k, x, motion);
     lth_system_apply_body_mass(s->system, b, motion, momentum);
     for (int l = 0; l <= k; l++) {
-      fill_motion(s, b, inertia, l, x, motion);
+      lth_rigid_motion(s, b, inertia, l, x, motion);
       double value = lth_dot(1, n, motion + first, momentum + first);
       inertia->tensor[3 * k + l] = inertia->tensor[3 * l + k] = value;
     }
@@ -146,7 +146,7 @@ static void find_modes(LthSimulation *s, LitheIndex b, const double *x) {
   double L[9] = {0};
   lth_rigid_inertia(s, b, x, s->scratch, s->rhs, &inertia);
   for (int k = 0; k < 6; k++) {
-    fill_motion(s, b, &inertia, k, x, s->scratch);
+    lth_rigid_motion(s, b, &inertia, k, x, s->scratch);
     lth_system_apply_body_mass(s->system, b, s->scratch, s->rigid.mode[k]);
   }
   for (int k = 0; k < 3; k++)

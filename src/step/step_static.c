@@ -35,13 +35,10 @@ typedef struct Search {
 /// Size of the diagonal of K per mass [1/s^2]: what c is measured in.
 static double stiffness_per_mass(const LthSimulation *s) {
   double stiffness = 0, mass = 0;
-  for (LitheIndex row = 0; row < s->A->n_rows; row++) {
-    LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row];
-    const double *B = s->A->values + s->A->value_off[s->A->diagonal[row]];
-    for (LitheCount i = 0; i < m; i++) {
-      stiffness += fabs(B[i * m + i]);
-      mass += s->mass[s->A->row_off[row] + i];
-    }
+  lth_step_diagonal(s, s->scratch);
+  for (LitheCount i = 0; i < s->n; i++) {
+    stiffness += fabs(s->scratch[i]);
+    mass += s->mass[i];
   }
   return mass > 0 ? stiffness / mass : 0;
 }
@@ -96,7 +93,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   LITHE_TRY(lth_step_assemble(ctx, s, q->t, s->x));
   // turned elements have a g of their own size, where nothing is to be gained
   bool at_rest = !(lth_step_norm(ctx, s->n, lth_simulation_displacement(s)) > 0);
-  if (!s->system->warped || at_rest) displacement_force(ctx, s);
+  if (!s->own && (!s->system->warped || at_rest)) displacement_force(ctx, s);
   LITHE_TRY(lth_step_drive(ctx, s, q->t, 1, s->x));
   memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
   LITHE_TRY(contact_force(ctx, s, q, s->rhs));
@@ -119,6 +116,12 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
 /// is nearer to balance. Overwrites s->base.
 static double rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
   const LthBlockMatrix *A = s->A;
+  if (s->own) { // of displacements: neighbours' entries sum up to the diagonal's
+    const double *u = lth_simulation_displacement(s);
+    lth_step_diagonal(s, s->base);
+    for (LitheCount i = 0; i < s->n; i++) s->base[i] *= 2 * fabs(u[i]);
+    return STALLED_ROUNDING * lth_step_norm(ctx, s->n, s->base);
+  }
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
   for (LitheIndex row = 0; row < A->n_rows; row++) {
@@ -156,7 +159,7 @@ static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, boo
   if (!same) LITHE_TRY(lth_step_factor(ctx, s));
   memset(s->solution, 0, sizeof *s->solution * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, tolerance));
-  if (plain)
+  if (plain && s->anderson)
     lth_anderson_step(s->anderson, lth_threads(ctx), s->solution, s->x);
   else
     for (LitheCount i = 0; i < s->n; i++) s->x[i] += s->solution[i];
@@ -200,7 +203,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
   q->lowest = INFINITY;
   q->stalled = 0;
   *balanced = false;
-  lth_anderson_reset(s->anderson);
+  if (s->anderson) lth_anderson_reset(s->anderson);
   for (LitheIndex it = 0; it <= s->options.newton_iterations; it++) {
     double before = q->residual;
     LITHE_TRY(evaluate(ctx, s, q));
@@ -233,7 +236,7 @@ static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
   LTH_NEW(ctx, s->start, s->n);
   LTH_NEW(ctx, s->f_before, s->n);
   LTH_NEW(ctx, s->best, s->n);
-  LITHE_TRY(lth_anderson_create(ctx, s->n, &s->anderson));
+  if (!s->own) LITHE_TRY(lth_anderson_create(ctx, s->n, &s->anderson)); // one solve is exact
   return LITHE_OK;
 }
 

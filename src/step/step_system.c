@@ -15,9 +15,15 @@ double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y) {
 LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const double *at) {
   double start = lth_now();
   lth_system_update_rotations(s->system, s->x);
-  lth_system_assemble(s->system, t, s->A, s->f0);
   LITHE_TRY(lth_system_external_force(ctx, s->system, t, s->x, s->f_ext));
-  lth_block_matrix_apply(s->A, lth_threads(ctx), at, s->force);
+  if (s->own) {
+    s->cm[0] = 0;
+    s->ck[0] = 1;
+    s->own->force(s->system->bodies[0].disc, lth_threads(ctx), at, s->force);
+  } else {
+    lth_system_assemble(s->system, t, s->A, s->f0);
+    lth_block_matrix_apply(s->A, lth_threads(ctx), at, s->force);
+  }
   for (LitheCount i = 0; i < s->n; i++) s->force[i] = s->f_ext[i] + s->f0[i] - s->force[i];
   s->report.time_assemble += lth_now() - start;
   return LITHE_OK;
@@ -40,22 +46,32 @@ void lth_step_combine(LitheCtx *ctx, LthSimulation *s, double cm, double ck, dou
     s->cm[b] = cm * (1 + h * s->system->bodies[b].damping_mass);
     s->ck[b] = ck + h * s->system->bodies[b].damping_stiffness;
   }
-  lth_system_combine(ctx, s->system, s->cm, s->ck, s->A);
+  if (!s->own) lth_system_combine(ctx, s->system, s->cm, s->ck, s->A);
 }
 
 // Held unknowns keep a right-hand side and a guess of zero, so that they weigh nothing in the norms of
 // the solver; their values are put in at the end.
 void lth_step_constrain(LitheCtx *ctx, LthSimulation *s) {
   if (!s->system->has_held) return;
-  lth_block_matrix_apply(s->A, lth_threads(ctx), s->driven, s->scratch);
+  lth_step_apply(s, lth_threads(ctx), s->driven, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) s->base[i] -= s->scratch[i];
   lth_system_zero_held(s->system, s->base);
-  lth_system_hold(ctx, s->system, s->A);
+  if (!s->own) lth_system_hold(ctx, s->system, s->A);
 }
 
 static void apply_bodies(const LthSimulation *s, int threads, const double *x, double *y) {
-  lth_block_matrix_apply(s->A, threads, x, y);
+  lth_step_apply(s, threads, x, y);
   if (s->rigid.H > 0) lth_rigid_spare(s, -s->rigid.H, x, y);
+}
+
+/// What a body that is solved without a matrix does not know of: contact, and motions that damping spares.
+static void apply_extra(const void *self, int threads, const double *x, double *y) {
+  const LthSimulation *s = self;
+  (void)threads;
+  memset(y, 0, sizeof *y * (size_t)s->n);
+  if (s->rigid.H > 0) lth_rigid_spare(s, -s->rigid.H, x, y);
+  if (s->contact_on) lth_step_contact_apply(s, x, y);
+  lth_system_zero_held(s->system, y);
 }
 
 static void apply_system(const void *self, int threads, const double *x, double *y) {
@@ -117,6 +133,10 @@ static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
                               LthSolveReport *report) {
   LitheStatus status = LITHE_OK;
   bool is_blocks = !s->contact_on && !(s->rigid.H > 0 && s->rigid.spares);
+  if (s->own) {
+    LthOperator extra = {.n = s->n, .apply = apply_extra, .self = s};
+    return lth_step_solve_own(ctx, s, is_blocks ? NULL : &extra, tolerance, report);
+  }
   if (s->solver == LTH_LINEAR_PCG && is_blocks) {
     *report = lth_reduction_solve(s->reduction, s->cg, lth_threads(ctx), s->rhs, s->solution,
                                   tolerance, s->options.max_iterations);

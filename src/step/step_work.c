@@ -14,7 +14,7 @@ static void subtract_inertia(const LitheCtx *ctx, LthSimulation *s) {
   lth_system_apply_mass(system, s->rhs, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) s->force[i] -= s->scratch[i];
   if (!lth_stage_has_stiffness_damping(system)) return;
-  lth_block_matrix_apply(s->A, lth_threads(ctx), s->solution, s->scratch);
+  lth_step_apply(s, lth_threads(ctx), s->solution, s->scratch);
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)
       s->force[i] -= system->bodies[b].damping_stiffness * s->scratch[i];
@@ -69,6 +69,6 @@ LitheStatus lth_work_of_step(LitheCtx *ctx, LthSimulation *s, double t0, double 
   LITHE_TRY(lth_simulation_imbalance(ctx, s, &unused));
   s->report.work += lth_work_of_held(s, x0, share);
   lth_step_combine(ctx, s, 1, g->H * g->H, g->H); // the matrix that owners look at
-  lth_system_hold(ctx, s->system, s->A);
+  if (!s->own) lth_system_hold(ctx, s->system, s->A);
   return LITHE_OK;
 }

@@ -114,6 +114,11 @@ static void place_contacts(const LthSystem *s, const LthSystemContact *contacts)
     }
 }
 
+const LthDiscSolver *lth_system_solver(const LthSystem *s) {
+  bool alone = s->n_bodies == 1 && s->n_couplings == 0;
+  return alone && !s->warped ? disc_of(s, 0)->table->solver : NULL;
+}
+
 static LitheStatus copy_def(LitheCtx *ctx, const LthSystemDef *def, LthSystem *s) {
   s->n_bodies = def->n_bodies;
   s->n_couplings = def->n_couplings;

@@ -4,13 +4,16 @@
 #include "disc/disc.h"
 #include "embed/contact.h"
 
+/// What an unknown is. Absent ones carry no stiffness and no mass: they stay where they are.
+typedef enum LthHeld { LTH_NOT_HELD, LTH_HELD, LTH_ABSENT } LthHeld;
+
 /// One body; everything is borrowed for life.
 typedef struct LthSystemBody {
   LthDisc *disc;
   double damping_mass, damping_stiffness; ///< Rayleigh [1/s], [s]
   const LthLoad *loads;
   LitheIndex n_loads;
-  const uint8_t *held; ///< unknowns that move as prescribed, or NULL       (n_dofs)
+  const uint8_t *held; ///< LthHeld: unknowns that move as prescribed, or NULL  (n_dofs)
   LitheStatus (*prescribe)(const void *self, double t,
                            double *x); ///< writes held unknowns, others untouched
   const void *prescribe_self;
@@ -61,7 +64,7 @@ typedef struct LthSystem {
   bool warped;           ///< some body is
   bool is_nonlinear;     ///< warped, or forces follow the position otherwise
   bool has_held;         ///< some unknown is
-  uint8_t *held;         ///< (n), NULL where none is
+  uint8_t *held;         ///< LthHeld (n), NULL where none is
   uint8_t *row_held;     ///< some unknown of a block row is, or NULL          (n_rows)
   double *one;           ///< coefficients of the function 1                   (n / 3)
   double *f_fixed;       ///< gravity and loads that never change [N]          (n)
@@ -69,6 +72,9 @@ typedef struct LthSystem {
   LthBlockMatrix **part; ///< a body's rows of A, values lent from there       (n_bodies)
   bool lends;            ///< they are: parts have none of their own
 } LthSystem;
+
+/// How the only body of a system can be solved without a matrix, or NULL: it must be linear, and tied to none.
+const LthDiscSolver *lth_system_solver(const LthSystem *system);
 
 LitheStatus lth_system_create(LitheCtx *ctx, const LthSystemDef *def, LthSystem **system);
 void lth_system_destroy(LitheCtx *ctx, LthSystem **system);

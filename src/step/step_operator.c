@@ -1,0 +1,35 @@
+/// The operator of a step, cm M + ck K: a matrix, or what the only body does without one.
+#include "step/simulation_priv.h"
+
+static LthDisc *only_disc(const LthSimulation *s) { return s->system->bodies[0].disc; }
+
+void lth_step_apply(const LthSimulation *s, int threads, const double *x, double *y) {
+  if (s->own)
+    s->own->apply(only_disc(s), threads, s->cm[0], s->ck[0], x, y);
+  else
+    lth_block_matrix_apply(s->A, threads, x, y);
+}
+
+void lth_step_diagonal(const LthSimulation *s, double *d) {
+  const LthBlockMatrix *A = s->A;
+  if (s->own) {
+    s->own->diagonal(only_disc(s), s->cm[0], s->ck[0], d);
+    return;
+  }
+  for (LitheIndex row = 0; row < A->n_rows; row++) {
+    LitheCount m = A->row_off[row + 1] - A->row_off[row];
+    const double *B = A->values + A->value_off[A->diagonal[row]];
+    for (LitheCount i = 0; i < m; i++) d[A->row_off[row] + i] = B[i * m + i];
+  }
+}
+
+LitheStatus lth_step_prepare_own(LitheCtx *ctx, LthSimulation *s) {
+  return s->own->prepare(ctx, only_disc(s), s->cm[0], s->ck[0]);
+}
+
+LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperator *extra,
+                               double tolerance, LthSolveReport *report) {
+  double reach = s->rigid.H > 0 ? s->rigid.H : 1;
+  return s->own->solve(ctx, only_disc(s), extra, reach, s->rhs, s->solution, tolerance,
+                       s->options.max_iterations, report);
+}
