@@ -1,14 +1,8 @@
 /// VTU files of polyhedral fields (compressed appended data) and the PVD collection.
 #pragma once
 
+#include "io/vtk_xml.h"
 #include "mesh/mesh.h"
-
-/// A cell or point array of a VTU file.
-typedef struct LthVtuArray {
-  const char *name;
-  int components; ///< 1, 3, 9, or 6: a symmetric tensor xx yy zz yz zx xy (VTK's order in the file)
-  const double *data; ///< (n x components)
-} LthVtuArray;
 
 /// Compressed cells and faces, the same for all files of a body whose mesh stands.
 typedef struct LthVtuTopology LthVtuTopology;

@@ -110,7 +110,7 @@ static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body
   static const char *const formulations[] = {"auto", "displacement", "mixed", NULL};
   const LthNode *fractions = lth_node_get(node, "fractions");
   LthNode *mesh = lth_node_find(node, "mesh");
-  body->formulation = (LthFormulation)lth_read_word(node, "formulation", formulations);
+  body->formulation = (LthSceneFormulation)lth_read_word(node, "formulation", formulations);
   body->has_fractions = is_given(node, "fractions");
   body->fractions = (LthFractionDef){.method = LTH_FRACTIONS_EXACT};
   if (lth_node_is_text(fractions, "smooth")) body->fractions.method = LTH_FRACTIONS_SMOOTH;

@@ -15,11 +15,11 @@
 typedef enum LthMethodKind { LTH_METHOD_DG, LTH_METHOD_CG, LTH_METHOD_STAGGERED } LthMethodKind;
 
 /// Of staggered bodies. Auto: mixed where a Poisson's ratio is 0.45 or more.
-typedef enum LthFormulation {
+typedef enum LthSceneFormulation {
   LTH_FORMULATION_AUTO,
   LTH_FORMULATION_DISPLACEMENT,
   LTH_FORMULATION_MIXED
-} LthFormulation;
+} LthSceneFormulation;
 
 typedef enum LthMeshKind {
   LTH_MESH_SLICE,
@@ -92,9 +92,9 @@ typedef struct LthSceneBody {
   LthPenaltyKind penalty;
   double eta;
   double sliver;
-  LthFractionDef fractions;   ///< of staggered
-  bool has_fractions;         ///< false: the user leaves `fractions` to us
-  LthFormulation formulation; ///< of staggered
+  LthFractionDef fractions;        ///< of staggered
+  bool has_fractions;              ///< false: the user leaves `fractions` to us
+  LthSceneFormulation formulation; ///< of staggered
   LthSceneConstraint *constraints;
   LitheIndex n_constraints;
   LthSceneLoad *loads;
