@@ -1,0 +1,224 @@
+/// One level of a staggered grid from the next finer one: averaged coefficients, rule A again.
+/// Zhu, Sifakis, Teran, Brandt 2010; docs/theory/staggered-multigrid.md.
+#include "disc/staggered/staggered_hierarchy.h"
+#include "disc/staggered/staggered_slot.h"
+
+#include <string.h>
+
+static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
+
+static int state_at(const uint8_t *state, LitheCount slot) {
+  return slot < 0 ? LTH_UNKNOWN_DEAD : state[slot];
+}
+
+static bool is_solid(const LthStaggeredLevel *l, LitheCount slot) {
+  return slot >= 0 && (l->mu[slot] > 0 || l->lambda[slot] > 0);
+}
+
+LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
+                                      LthStaggeredLevel *l) {
+  LitheStatus status = LITHE_OK;
+  *l = (LthStaggeredLevel){.grid = grid};
+  LTH_NEW_OR(done, ctx, l->lambda, grid->n_slots);
+  LTH_NEW_OR(done, ctx, l->mu, grid->n_slots);
+  for (int a = 0; a < 3; a++) {
+    if (grid->dim == 3 || a == 2) LTH_NEW_OR(done, ctx, l->shear[a], grid->n_slots);
+    if (a == grid->dim) continue;
+    LTH_NEW_OR(done, ctx, l->mass[a], grid->n_slots);
+    LTH_NEW_OR(done, ctx, l->state[a], grid->n_slots);
+  }
+done:
+  if (status != LITHE_OK) lth_staggered_level_free(ctx, l);
+  return status;
+}
+
+void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *l) {
+  lth_free(ctx, l->lambda);
+  lth_free(ctx, l->mu);
+  for (int a = 0; a < 3; a++) {
+    lth_free(ctx, l->shear[a]);
+    lth_free(ctx, l->mass[a]);
+    lth_free(ctx, l->state[a]);
+  }
+  *l = (LthStaggeredLevel){.grid = l->grid};
+}
+
+/// Cells of a block that hold something: lowest and highest, or false.
+static bool solid_box(const LthStaggeredLevel *l, LitheIndex block, LitheIndex low[3],
+                      LitheIndex high[3]) {
+  const LthSparseGrid *g = l->grid;
+  bool any = false;
+  LitheCount first = (LitheCount)block * g->block_cells;
+  for (LitheCount s = first; s < first + g->block_cells; s++) {
+    if (!is_solid(l, s)) continue;
+    LitheIndex c[3];
+    lth_cell_of(g, s, c);
+    for (int a = 0; a < 3; a++) {
+      if (!any || c[a] < low[a]) low[a] = c[a];
+      if (!any || c[a] > high[a]) high[a] = c[a];
+    }
+    any = true;
+  }
+  return any;
+}
+
+/// Mark the coarse blocks that hold or touch what a fine block holds.
+static void want_blocks(const LthSparseGrid *fine, const LitheIndex low[3],
+                        const LitheIndex high[3], const LitheIndex n_block[3], uint8_t *wanted) {
+  LitheIndex from[3], to[3];
+  int bits = lth_side_bits(fine);
+  for (int a = 0; a < 3; a++) {
+    bool flat = fine->dim == 2 && a == 2;
+    LitheIndex first = (low[a] >> 1) - 1, last = (high[a] >> 1) + 1;
+    from[a] = flat || first < 0 ? 0 : first >> bits;
+    to[a] = flat ? 0 : last >> bits;
+    if (to[a] >= n_block[a]) to[a] = n_block[a] - 1;
+  }
+  for (LitheIndex k = from[2]; k <= to[2]; k++)
+    for (LitheIndex j = from[1]; j <= to[1]; j++)
+      for (LitheIndex i = from[0]; i <= to[0]; i++)
+        wanted[i + (LitheCount)n_block[0] * (j + (LitheCount)n_block[1] * k)] = 1;
+}
+
+static LitheStatus coarse_grid(LitheCtx *ctx, const LthStaggeredLevel *fine, LthSparseGrid **grid) {
+  LitheStatus status = LITHE_OK;
+  const LthSparseGrid *g = fine->grid;
+  LitheIndex n[3], n_block[3], low[3], high[3];
+  double h[3];
+  uint8_t *wanted = NULL;
+  for (int a = 0; a < 3; a++) {
+    n[a] = g->n[a] / 2 + 1; // a face more than the finest: the last cell's high one has a slot
+    h[a] = 2 * g->h[a];
+    n_block[a] = lth_sparse_grid_blocks(g->dim, a, n[a]);
+  }
+  LTH_NEW_OR(done, ctx, wanted, (LitheCount)n_block[0] * n_block[1] * n_block[2]);
+  for (LitheIndex b = 0; b < g->n_blocks; b++)
+    if (solid_box(fine, b, low, high)) want_blocks(g, low, high, n_block, wanted);
+  LITHE_TRY_OR(done, lth_sparse_grid_create(ctx, g->dim, g->origin, h, n, wanted, grid));
+done:
+  lth_free(ctx, wanted);
+  return status;
+}
+
+/// Low and high (inclusive) fine cells under a coarse box: that of a cell, and shifted by half a coarse cell towards
+/// lower places along the axes in `shifted`.
+static void fine_box(int dim, const LitheIndex cell[3], int shifted, LitheIndex low[3],
+                     LitheIndex high[3]) {
+  for (int a = 0; a < 3; a++) {
+    bool flat = dim == 2 && a == 2;
+    low[a] = flat ? 0 : 2 * cell[a] - (shifted >> a & 1);
+    high[a] = flat ? 0 : low[a] + 1;
+  }
+}
+
+/// Mean of cell values over such a box.
+static double box_mean(const LthSparseGrid *fine, const double *v, const LitheIndex cell[3],
+                       int shifted) {
+  LitheIndex low[3], high[3];
+  fine_box(fine->dim, cell, shifted, low, high);
+  double sum = 0;
+  for (LitheIndex k = low[2]; k <= high[2]; k++)
+    for (LitheIndex j = low[1]; j <= high[1]; j++)
+      for (LitheIndex i = low[0]; i <= high[0]; i++) sum += value_at(v, lth_slot_of(fine, i, j, k));
+  return sum / (fine->dim == 3 ? 8 : 4);
+}
+
+/// Mass of a coarse face: fine faces in it, and half of those a fine cell to both sides.
+static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
+  static const double along[3] = {0.25, 0.5, 0.25};
+  LitheIndex low[3], high[3];
+  fine_box(fine->grid->dim, cell, 0, low, high);
+  double sum = 0;
+  for (int s = 0; s < 3; s++) {
+    low[a] = high[a] = 2 * cell[a] + s - 1;
+    for (LitheIndex k = low[2]; k <= high[2]; k++)
+      for (LitheIndex j = low[1]; j <= high[1]; j++)
+        for (LitheIndex i = low[0]; i <= high[0]; i++)
+          sum += along[s] * value_at(fine->mass[a], lth_slot_of(fine->grid, i, j, k));
+  }
+  return sum / (fine->grid->dim == 3 ? 4 : 2);
+}
+
+/// True where one of the fine faces that make up a coarse one is held: all of them would let the correction move
+/// what the fine level holds, and the cycle diverges.
+static bool face_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
+  LitheIndex low[3], high[3];
+  fine_box(fine->grid->dim, cell, 0, low, high);
+  high[a] = low[a];
+  for (LitheIndex k = low[2]; k <= high[2]; k++)
+    for (LitheIndex j = low[1]; j <= high[1]; j++)
+      for (LitheIndex i = low[0]; i <= high[0]; i++)
+        if (state_at(fine->state[a], lth_slot_of(fine->grid, i, j, k)) == LTH_UNKNOWN_HELD)
+          return true;
+  return false;
+}
+
+static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coarse, LitheCount s) {
+  const LthSparseGrid *g = fine->grid;
+  LitheIndex cell[3];
+  lth_cell_of(coarse->grid, s, cell);
+  coarse->lambda[s] = box_mean(g, fine->lambda, cell, 0);
+  coarse->mu[s] = box_mean(g, fine->mu, cell, 0);
+  for (int e = 0; e < 3; e++)
+    if (coarse->shear[e]) coarse->shear[e][s] = box_mean(g, fine->mu, cell, 7 & ~(1 << e));
+  for (int a = 0; a < g->dim; a++) {
+    coarse->mass[a][s] = face_mass(fine, cell, a);
+    coarse->state[a][s] = face_is_held(fine, cell, a) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
+  }
+}
+
+/// Free where a face touches a cell that holds something.
+static void revive(LthStaggeredLevel *l, LitheCount s) {
+  LitheIndex cell[3];
+  lth_cell_of(l->grid, s, cell);
+  for (int a = 0; a < l->grid->dim; a++) {
+    if (l->state[a][s] == LTH_UNKNOWN_HELD) continue;
+    bool alive = is_solid(l, s) || is_solid(l, lth_slot_along(l->grid, cell, a, -1));
+    l->state[a][s] = alive ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD;
+    if (!alive) l->mass[a][s] = 0;
+  }
+}
+
+/// True where one of the four faces around an edge along axis e is dead.
+static bool edge_is_dead(const LthStaggeredLevel *l, LitheCount s, const LitheIndex cell[3],
+                         int e) {
+  int a = (e + 1) % 3, b = (e + 2) % 3;
+  return !l->state[a][s] || !l->state[b][s] ||
+         !state_at(l->state[a], lth_slot_along(l->grid, cell, b, -1)) ||
+         !state_at(l->state[b], lth_slot_along(l->grid, cell, a, -1));
+}
+
+void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *l) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount s = 0; s < l->grid->n_slots; s++) revive(l, s);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+    LitheIndex cell[3];
+    lth_cell_of(l->grid, s, cell);
+    for (int e = 0; e < 3; e++)
+      if (l->shear[e] && l->shear[e][s] != 0 && edge_is_dead(l, s, cell, e)) l->shear[e][s] = 0;
+  }
+}
+
+LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *l) {
+  LitheCount n = 0;
+  for (int a = 0; a < l->grid->dim; a++) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) reduction(+ : n)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++) n += l->state[a][s] == LTH_UNKNOWN_FREE;
+  }
+  return n;
+}
+
+LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
+                                  LthSparseGrid **grid, LthStaggeredLevel *coarse) {
+  LITHE_TRY(coarse_grid(ctx, fine, grid));
+  LitheStatus status = lth_staggered_level_alloc(ctx, *grid, coarse);
+  if (status != LITHE_OK) {
+    lth_sparse_grid_destroy(ctx, grid);
+    return status;
+  }
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount s = 0; s < coarse->grid->n_slots; s++) average_slot(fine, coarse, s);
+  lth_staggered_rule_a(ctx, coarse);
+  return LITHE_OK;
+}

@@ -1,0 +1,72 @@
+/// Levels of geometric multigrid on a staggered grid, and plain kernels on them.
+/// Coarsening and transfers: docs/theory/staggered-multigrid.md.
+#pragma once
+
+#include "disc/staggered/staggered_level.h"
+
+#define LTH_STAGGERED_MAX_LEVELS 24
+
+/// When to stop coarsening.
+typedef struct LthCoarsenDef {
+  LitheCount enough; ///< free unknowns that need no coarser level; 0: 1500
+  double
+      thin_fraction; ///< share of cells in features thinner than three cells that a level may have; 0: 0.05
+} LthCoarsenDef;
+
+/// Level 0 is the finest: its arrays are those given, borrowed for life; the others are owned. Cell I of a level
+/// covers cells 2 I and 2 I + 1 of the finer one along every axis (2D: along x and y).
+typedef struct LthStaggeredHierarchy {
+  int n_levels;
+  bool stopped_thin; ///< the coarsest level is not small: a coarser one would not resolve the body
+  LthStaggeredLevel level[LTH_STAGGERED_MAX_LEVELS];
+  LitheCount n_free[LTH_STAGGERED_MAX_LEVELS]; ///< free unknowns
+} LthStaggeredHierarchy;
+
+LitheStatus lth_staggered_hierarchy_create(LitheCtx *ctx, const LthStaggeredLevel *fine,
+                                           const LthCoarsenDef *def,
+                                           LthStaggeredHierarchy **hierarchy);
+void lth_staggered_hierarchy_destroy(LitheCtx *ctx, LthStaggeredHierarchy **hierarchy);
+
+/// Bytes of the coarse levels.
+LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *hierarchy);
+
+/// Rule A on a level whose lambda, mu, shear and mass are set and whose held unknowns are marked: unknowns are free
+/// where they touch a cell that holds something; samples that touch dead unknowns, and the mass of these, become 0.
+void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *level);
+
+/// Arrays of a level, all zero, on a grid; freed by lth_staggered_level_free(), which leaves the grid.
+LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
+                                      LthStaggeredLevel *level);
+void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *level);
+
+LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *level);
+
+/// One level coarser: its grid (owned by the caller) and coefficients. LITHE_OK with grid NULL: nothing is left free.
+LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
+                                  LthSparseGrid **grid, LthStaggeredLevel *coarse);
+
+/// Share of the solid cells of a grid that lie in features thinner than three cells; `solid` is how much of a cell
+/// is filled (n_slots).
+LitheStatus lth_staggered_thin_share(LitheCtx *ctx, const LthSparseGrid *grid, const float *solid,
+                                     double *share);
+
+// Plain kernels, loops in the order of the theory: for tests, and for set-up on coarse levels. Vectors are three
+// (2D: two) components over slots; what is not free counts as it stands in inputs and is zero in outputs.
+
+/// y = (cm M + ck K) u.
+void lth_staggered_apply_ref(LitheCtx *ctx, const LthStaggeredLevel *level, double cm, double ck,
+                             const double *const u[3], double *const y[3]);
+/// diagonal = that of cm M + ck K, 0 where an unknown is not free.
+void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *level, double cm, double ck,
+                                double *const diagonal[3]);
+/// fine = P coarse: linear along the component, 3/4 - 1/4 across it, of what is not dead.
+void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
+                               const LthStaggeredLevel *fine, const double *const u_coarse[3],
+                               double *const u_fine[3]);
+/// coarse = P^T fine.
+void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
+                                const LthStaggeredLevel *fine, const double *const r_fine[3],
+                                double *const r_coarse[3]);
+/// Unknowns of the coarse level that a free fine one is interpolated from, with weights of sum 1; returns how many.
+int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, int a,
+                          const LitheIndex fine_cell[3], LitheCount slot[8], double weight[8]);

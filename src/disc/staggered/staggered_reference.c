@@ -1,0 +1,157 @@
+/// The staggered operator and its transfers, one unknown at a time: what the fast kernels are held against.
+#include "disc/staggered/staggered_hierarchy.h"
+#include "disc/staggered/staggered_slot.h"
+
+#include <string.h>
+
+static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
+
+static void shift(const LitheIndex cell[3], int axis, LitheIndex by, LitheIndex to[3]) {
+  for (int a = 0; a < 3; a++) to[a] = cell[a] + (a == axis ? by : 0);
+}
+
+static double value_along(const LthSparseGrid *g, const double *v, const LitheIndex cell[3],
+                          int axis, LitheIndex by) {
+  return value_at(v, lth_slot_along(g, cell, axis, by));
+}
+
+/// V s_aa at a cell: 2 mu e_aa + lambda tr e.
+static double normal_stress(const LthStaggeredLevel *l, const double *const u[3],
+                            const LitheIndex cell[3], int a) {
+  const LthSparseGrid *g = l->grid;
+  LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
+  if (s < 0 || (l->mu[s] == 0 && l->lambda[s] == 0)) return 0;
+  double trace = 0, own = 0;
+  for (int b = 0; b < g->dim; b++) {
+    double e = (value_along(g, u[b], cell, b, 1) - u[b][s]) / g->h[b];
+    trace += e;
+    if (b == a) own = e;
+  }
+  return 2 * l->mu[s] * own + l->lambda[s] * trace;
+}
+
+/// V mu g_ab at the low edge of a cell.
+static double shear_stress(const LthStaggeredLevel *l, const double *const u[3],
+                           const LitheIndex cell[3], int a, int b) {
+  const LthSparseGrid *g = l->grid;
+  LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
+  double mu = value_at(l->shear[3 - a - b], s);
+  if (mu == 0) return 0;
+  return mu * ((u[a][s] - value_along(g, u[a], cell, b, -1)) / g->h[b] +
+               (u[b][s] - value_along(g, u[b], cell, a, -1)) / g->h[a]);
+}
+
+static double row(const LthStaggeredLevel *l, double cm, double ck, const double *const u[3], int a,
+                  LitheCount s) {
+  const LthSparseGrid *g = l->grid;
+  LitheIndex cell[3], other[3];
+  lth_cell_of(g, s, cell);
+  shift(cell, a, -1, other);
+  double f = -(normal_stress(l, u, cell, a) - normal_stress(l, u, other, a)) / g->h[a];
+  for (int b = 0; b < g->dim; b++) {
+    if (b == a) continue;
+    shift(cell, b, 1, other);
+    f -= (shear_stress(l, u, other, a, b) - shear_stress(l, u, cell, a, b)) / g->h[b];
+  }
+  return lth_sparse_grid_cell_volume(g) * (ck * f + cm * l->mass[a][s] * u[a][s]);
+}
+
+void lth_staggered_apply_ref(LitheCtx *ctx, const LthStaggeredLevel *l, double cm, double ck,
+                             const double *const u[3], double *const y[3]) {
+  for (int a = 0; a < l->grid->dim; a++) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+    for (LitheCount s = 0; s < l->grid->n_slots; s++)
+      y[a][s] = l->state[a][s] == LTH_UNKNOWN_FREE ? row(l, cm, ck, u, a, s) : 0;
+  }
+}
+
+static double diagonal_entry(const LthStaggeredLevel *l, double cm, double ck, int a,
+                             LitheCount s) {
+  const LthSparseGrid *g = l->grid;
+  LitheIndex cell[3];
+  lth_cell_of(g, s, cell);
+  LitheCount before = lth_slot_along(g, cell, a, -1);
+  double d =
+      (2 * l->mu[s] + l->lambda[s] + 2 * value_at(l->mu, before) + value_at(l->lambda, before)) /
+      (g->h[a] * g->h[a]);
+  for (int b = 0; b < g->dim; b++) {
+    if (b == a) continue;
+    const double *shear = l->shear[3 - a - b];
+    d += (shear[s] + value_along(g, shear, cell, b, 1)) / (g->h[b] * g->h[b]);
+  }
+  return lth_sparse_grid_cell_volume(g) * (ck * d + cm * l->mass[a][s]);
+}
+
+void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *l, double cm, double ck,
+                                double *const diagonal[3]) {
+  for (int a = 0; a < l->grid->dim; a++) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+    for (LitheCount s = 0; s < l->grid->n_slots; s++)
+      diagonal[a][s] = l->state[a][s] == LTH_UNKNOWN_FREE ? diagonal_entry(l, cm, ck, a, s) : 0;
+  }
+}
+
+int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, int a,
+                          const LitheIndex cell[3], LitheCount slot[8], double weight[8]) {
+  LitheIndex near[3], far[3];
+  double w[3][2];
+  for (int b = 0; b < 3; b++) {
+    bool odd = cell[b] & 1, flat = b >= fine->grid->dim;
+    near[b] = far[b] = flat ? 0 : cell[b] >> 1;
+    w[b][0] = flat || (b == a && !odd) ? 1 : b == a ? 0.5 : 0.75;
+    w[b][1] = 1 - w[b][0];
+    if (!flat) far[b] += b == a || odd ? 1 : -1;
+  }
+  int n = 0;
+  double sum = 0;
+  for (int q = 0; q < 8; q++) {
+    double p = w[0][q & 1] * w[1][q >> 1 & 1] * w[2][q >> 2];
+    if (p == 0) continue;
+    LitheCount s = lth_slot_of(coarse->grid, q & 1 ? far[0] : near[0], q & 2 ? far[1] : near[1],
+                               q & 4 ? far[2] : near[2]);
+    if (s < 0 || coarse->state[a][s] == LTH_UNKNOWN_DEAD) continue;
+    slot[n] = s;
+    weight[n++] = p;
+    sum += p;
+  }
+  for (int i = 0; i < n; i++) weight[i] /= sum;
+  return n;
+}
+
+void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
+                               const LthStaggeredLevel *fine, const double *const u_coarse[3],
+                               double *const u_fine[3]) {
+  for (int a = 0; a < fine->grid->dim; a++) {
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+    for (LitheCount s = 0; s < fine->grid->n_slots; s++) {
+      u_fine[a][s] = 0;
+      if (fine->state[a][s] != LTH_UNKNOWN_FREE) continue;
+      LitheIndex cell[3];
+      LitheCount slot[8];
+      double weight[8];
+      lth_cell_of(fine->grid, s, cell);
+      int n = lth_staggered_parents(coarse, fine, a, cell, slot, weight);
+      for (int i = 0; i < n; i++) u_fine[a][s] += weight[i] * u_coarse[a][slot[i]];
+    }
+  }
+}
+
+void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
+                                const LthStaggeredLevel *fine, const double *const r_fine[3],
+                                double *const r_coarse[3]) {
+  (void)ctx; // serial: sums in the order of the fine slots
+  for (int a = 0; a < fine->grid->dim; a++) {
+    memset(r_coarse[a], 0, sizeof *r_coarse[a] * (size_t)coarse->grid->n_slots);
+    for (LitheCount s = 0; s < fine->grid->n_slots; s++) {
+      if (fine->state[a][s] != LTH_UNKNOWN_FREE) continue;
+      LitheIndex cell[3];
+      LitheCount slot[8];
+      double weight[8];
+      lth_cell_of(fine->grid, s, cell);
+      int n = lth_staggered_parents(coarse, fine, a, cell, slot, weight);
+      for (int i = 0; i < n; i++)
+        if (coarse->state[a][slot[i]] == LTH_UNKNOWN_FREE)
+          r_coarse[a][slot[i]] += weight[i] * r_fine[a][s];
+    }
+  }
+}

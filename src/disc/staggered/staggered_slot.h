@@ -1,0 +1,46 @@
+/// Slots of neighbours by cell coordinates, without divisions: for loops over a whole level.
+#pragma once
+
+#include "geometry/sparse_grid.h"
+
+/// log2 of the cells along a block.
+static inline int lth_side_bits(const LthSparseGrid *g) { return g->dim == 3 ? 3 : 4; }
+
+/// Block that holds a cell, -1 where there is none.
+static inline LitheIndex lth_block_of(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
+                                      LitheIndex k) {
+  if ((i | j | k) < 0) return -1;
+  int bits = lth_side_bits(g);
+  LitheIndex bi = i >> bits, bj = j >> bits, bk = g->dim == 3 ? k >> bits : k;
+  if (bi >= g->n_block[0] || bj >= g->n_block[1] || bk >= g->n_block[2]) return -1;
+  return g->block_at[bi + (LitheCount)g->n_block[0] * (bj + (LitheCount)g->n_block[1] * bk)];
+}
+
+/// As lth_sparse_grid_slot().
+static inline LitheCount lth_slot_of(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
+                                     LitheIndex k) {
+  LitheIndex block = lth_block_of(g, i, j, k);
+  if (block < 0) return -1;
+  int bits = lth_side_bits(g), mask = (1 << bits) - 1;
+  LitheIndex deep = g->dim == 3 ? k & mask : 0;
+  return (LitheCount)block * g->block_cells + (i & mask) +
+         ((((LitheCount)deep << bits) + (j & mask)) << bits);
+}
+
+/// As lth_sparse_grid_cell().
+static inline void lth_cell_of(const LthSparseGrid *g, LitheCount slot, LitheIndex cell[3]) {
+  const LitheIndex *place = g->place + 3 * (slot / g->block_cells);
+  int bits = lth_side_bits(g), mask = (1 << bits) - 1;
+  LitheIndex local = (LitheIndex)(slot % g->block_cells);
+  cell[0] = (place[0] << bits) + (local & mask);
+  cell[1] = (place[1] << bits) + ((local >> bits) & mask);
+  cell[2] = g->dim == 3 ? (place[2] << bits) + (local >> (2 * bits)) : 0;
+}
+
+/// Slot of the cell `by` cells further along an axis.
+static inline LitheCount lth_slot_along(const LthSparseGrid *g, const LitheIndex cell[3], int axis,
+                                        LitheIndex by) {
+  LitheIndex c[3] = {cell[0], cell[1], cell[2]};
+  c[axis] += by;
+  return lth_slot_of(g, c[0], c[1], c[2]);
+}

@@ -1,0 +1,218 @@
+/// Levels and transfers of the staggered multigrid: what P keeps, R = P^T, rule A on every level, thin features.
+#include "staggered_shape.h"
+
+static const ShapeDef ring = {
+    .dim = 2, .n = 96, .inside = ring_inside, .held = ring_held, .nu = 0.3, .rho = 2};
+static const ShapeDef ball = {
+    .dim = 3, .n = 32, .inside = ball_inside, .held = ball_held, .nu = 0.3, .rho = 2};
+
+typedef struct Levels {
+  ShapeLevel shape;
+  LthStaggeredHierarchy *H;
+} Levels;
+
+static Levels levels_of(const ShapeDef *def, LitheCount enough) {
+  Levels L = {0};
+  LitheCtx *ctx = test_ctx();
+  L.shape = shape_level(ctx, def);
+  LthCoarsenDef coarsen = {.enough = enough};
+  CHECK_OK(ctx, lth_staggered_hierarchy_create(ctx, &L.shape.level, &coarsen, &L.H));
+  return L;
+}
+
+static void levels_free(Levels *L) {
+  LitheCtx *ctx = L->shape.ctx;
+  lth_staggered_hierarchy_destroy(ctx, &L->H);
+  shape_free(&L->shape);
+  lithe_ctx_destroy(&ctx);
+}
+
+/// u_a = c_a + sum_b g_ab x_b at the unknowns of a level that are not dead.
+static void set_linear(const LthStaggeredLevel *l, const double c[3], const double g[3][3],
+                       double *u[3]) {
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+      LitheIndex cell[3];
+      double at[3] = {0.5, 0.5, 0.5}, x[3];
+      lth_sparse_grid_cell(l->grid, s, cell);
+      at[a] = 0;
+      lth_sparse_grid_place(l->grid, cell, at, x);
+      u[a][s] = c[a];
+      for (int b = 0; b < l->grid->dim; b++) u[a][s] += g[a][b] * x[b];
+    }
+}
+
+static void check_prolong(const ShapeDef *def) {
+  Levels L = levels_of(def, 0);
+  LthStaggeredLevel *f = &L.H->level[0], *k = &L.H->level[1];
+  const double c[3] = {1, -2, 3}, zero[3][3] = {{0}},
+               g[3][3] = {{1, 2, 3}, {-1, 4, 2}, {0.5, 1, -3}};
+  double *fine[3], *coarse[3], *exact[3];
+  shape_vectors(&L.shape, f->grid, fine);
+  shape_vectors(&L.shape, f->grid, exact);
+  shape_vectors(&L.shape, k->grid, coarse);
+  for (int linear = 0; linear < 2; linear++) {
+    set_linear(k, c, linear ? g : zero, coarse);
+    set_linear(f, c, linear ? g : zero, exact);
+    lth_staggered_prolong_ref(L.shape.ctx, k, f, (const double *const *)coarse, fine);
+    LitheCount n_full = 0;
+    for (int a = 0; a < def->dim; a++)
+      for (LitheCount s = 0; s < f->grid->n_slots; s++) {
+        if (f->state[a][s] != LTH_UNKNOWN_FREE) continue;
+        LitheIndex cell[3];
+        LitheCount slot[8];
+        double weight[8];
+        lth_sparse_grid_cell(f->grid, s, cell);
+        int n = lth_staggered_parents(k, f, a, cell, slot, weight);
+        bool full = n == (cell[a] & 1 ? 2 : 1) << (def->dim - 1);
+        n_full += full;
+        if (!linear || full) CHECK_NEAR(fine[a][s], exact[a][s], 1e-14 * 10);
+      }
+    assert_true(n_full > L.H->n_free[0] / 2);
+  }
+  shape_vectors_free(&L.shape, fine);
+  shape_vectors_free(&L.shape, exact);
+  shape_vectors_free(&L.shape, coarse);
+  levels_free(&L);
+}
+
+static void prolongation_keeps_constants_everywhere_and_linear_fields_inside(void **state) {
+  (void)state;
+  check_prolong(&ring);
+  check_prolong(&ball);
+}
+
+static void randomise(const LthStaggeredLevel *l, uint64_t *seed, double *u[3]) {
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++)
+      u[a][s] = l->state[a][s] == LTH_UNKNOWN_FREE ? 2 * test_random(seed) - 1 : 0;
+}
+
+static double product(const LthStaggeredLevel *l, double *const u[3], double *const v[3]) {
+  double sum = 0;
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++) sum += u[a][s] * v[a][s];
+  return sum;
+}
+
+static void check_adjoint(const ShapeDef *def) {
+  Levels L = levels_of(def, 0);
+  uint64_t seed = 7;
+  for (int i = 0; i + 1 < L.H->n_levels; i++) {
+    LthStaggeredLevel *f = &L.H->level[i], *k = &L.H->level[i + 1];
+    double *rf[3], *pf[3], *uk[3], *rk[3];
+    shape_vectors(&L.shape, f->grid, rf);
+    shape_vectors(&L.shape, f->grid, pf);
+    shape_vectors(&L.shape, k->grid, uk);
+    shape_vectors(&L.shape, k->grid, rk);
+    randomise(f, &seed, rf);
+    randomise(k, &seed, uk);
+    lth_staggered_prolong_ref(L.shape.ctx, k, f, (const double *const *)uk, pf);
+    lth_staggered_restrict_ref(L.shape.ctx, k, f, (const double *const *)rf, rk);
+    double scale = sqrt(product(f, rf, rf) * product(f, pf, pf));
+    CHECK_NEAR(product(f, rf, pf), product(k, rk, uk), 1e-14 * scale);
+    shape_vectors_free(&L.shape, rf);
+    shape_vectors_free(&L.shape, pf);
+    shape_vectors_free(&L.shape, uk);
+    shape_vectors_free(&L.shape, rk);
+  }
+  levels_free(&L);
+}
+
+static void restriction_is_the_transpose_on_every_level(void **state) {
+  (void)state;
+  check_adjoint(&ring);
+  check_adjoint(&ball);
+}
+
+/// Rule A, word by word, and that no mass is lost.
+static void check_rules(const ShapeDef *def) {
+  Levels L = levels_of(def, 0);
+  assert_true(L.H->n_levels >= 3 && !L.H->stopped_thin);
+  for (int i = 0; i < L.H->n_levels; i++) {
+    LthStaggeredLevel *l = &L.H->level[i];
+    const LthSparseGrid *g = l->grid;
+    for (LitheCount s = 0; s < g->n_slots; s++) {
+      LitheIndex c[3];
+      lth_sparse_grid_cell(g, s, c);
+      for (int a = 0; a < def->dim; a++) {
+        LitheCount before = lth_slot_along(g, c, a, -1), after = lth_slot_along(g, c, a, 1);
+        bool touches = l->mu[s] > 0 || (before >= 0 && l->mu[before] > 0);
+        if (l->state[a][s] != LTH_UNKNOWN_HELD)
+          assert_int_equal(l->state[a][s], touches ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD);
+        if (l->state[a][s] == LTH_UNKNOWN_DEAD) assert_true(l->mass[a][s] == 0);
+        if (l->mu[s] > 0) assert_true(after >= 0); // its high face has a slot
+      }
+    }
+  }
+  levels_free(&L);
+}
+
+static void rule_a_holds_on_every_level(void **state) {
+  (void)state;
+  check_rules(&ring);
+  check_rules(&ball);
+}
+
+/// A square held on its left side: inner coefficients stay as they are, the held side stays held.
+static bool square_inside(const double x[3]) {
+  return x[0] > 0.125 && x[0] < 0.875 && x[1] > 0.125 && x[1] < 0.875;
+}
+static bool square_held(const double x[3]) { return x[0] <= 0.125 + 1e-9; }
+
+static void uniform_material_stays_uniform(void **state) {
+  (void)state;
+  const ShapeDef square = {
+      .dim = 2, .n = 64, .inside = square_inside, .held = square_held, .nu = 0.25, .rho = 3};
+  Levels L = levels_of(&square, 100);
+  for (int i = 0; i < L.H->n_levels; i++) {
+    LthStaggeredLevel *l = &L.H->level[i];
+    LitheIndex middle = ((64 >> i) + 2) / 2;
+    LitheCount s = lth_sparse_grid_slot(l->grid, middle, middle, 0);
+    CHECK_NEAR(l->mu[s], 0.4, 1e-15);
+    CHECK_NEAR(l->lambda[s], 0.4, 1e-15);
+    CHECK_NEAR(l->shear[2][s], 0.4, 1e-15);
+    CHECK_NEAR(l->mass[0][s], 3, 1e-14);
+    bool held = false;
+    for (LitheIndex I = 0; I < middle; I++)
+      held |= l->state[0][lth_sparse_grid_slot(l->grid, I, middle, 0)] == LTH_UNKNOWN_HELD;
+    assert_true(held);
+  }
+  levels_free(&L);
+}
+
+/// A comb: teeth of an eighth, gaps of an eighth.
+static bool comb_inside(const double x[3]) {
+  if (x[0] < 0 || x[0] > 1 || x[1] < 0 || x[1] > 1) return false;
+  return x[1] < 0.2 || fmod(x[0] * 4 + 0.01, 1) < 0.5;
+}
+
+static void coarsening_stops_where_features_have_three_cells(void **state) {
+  (void)state;
+  const ShapeDef comb = {.dim = 2, .n = 128, .inside = comb_inside, .nu = 0.3, .rho = 1};
+  Levels L = levels_of(&comb, 10);
+  assert_true(L.H->stopped_thin);
+  assert_int_equal(L.H->n_levels, 3); // teeth of 16, 8, 4 cells
+  levels_free(&L);
+}
+
+static void only_blocks_with_material_are_kept(void **state) {
+  (void)state;
+  Levels L = levels_of(&ball, 0);
+  LthStaggeredLevel *l = &L.H->level[0];
+  assert_true(l->grid->n_blocks <
+              (LitheIndex)(l->grid->n_block[0] * l->grid->n_block[1] * l->grid->n_block[2]));
+  levels_free(&L);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(prolongation_keeps_constants_everywhere_and_linear_fields_inside),
+      cmocka_unit_test(restriction_is_the_transpose_on_every_level),
+      cmocka_unit_test(rule_a_holds_on_every_level),
+      cmocka_unit_test(uniform_material_stays_uniform),
+      cmocka_unit_test(coarsening_stops_where_features_have_three_cells),
+      cmocka_unit_test(only_blocks_with_material_are_kept),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
