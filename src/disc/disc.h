@@ -165,10 +165,6 @@ void lth_disc_spread(int n, int width, double *values);
 LitheStatus lth_disc_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load, double t,
                               const double *x, double *f);
 
-/// The cell of a place, or one near it; `inside` may be NULL.
-LitheStatus lth_disc_find_cell(LitheCtx *ctx, const LthDisc *disc, const double x[3],
-                               LitheIndex *cell, bool *inside);
-
 /// y = coefficients of e_axis x (the field of x).
 void lth_disc_turn(const LthDisc *disc, int axis, const double *x, double *y);
 

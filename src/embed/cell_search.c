@@ -136,3 +136,10 @@ LitheStatus lth_surface_point_cells(LitheCtx *ctx, const LthMesh *mesh, LitheInd
   }
   return LITHE_OK;
 }
+
+LitheStatus lth_disc_find_cell(LitheCtx *ctx, const LthDisc *disc, const double x[3],
+                               LitheIndex *cell, bool *inside) {
+  if (!disc->table->find_cell) return lth_find_cell(ctx, disc->mesh, x, cell, inside);
+  *cell = disc->table->find_cell(disc, x, inside);
+  return LITHE_OK;
+}

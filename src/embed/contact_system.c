@@ -104,7 +104,7 @@ static void gather(const LthContact *c, const LthContactSide *side, const double
     LitheIndex s = side->touched[i];
     double sum[3] = {0, 0, 0};
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
-      lth_v3_axpy(e->sample_weight[k], v + 3 * (size_t)e->sample_func[k], sum);
+      lth_sample_add(e, k, v + 3 * (size_t)e->sample_func[k], sum);
     lth_v3_copy(sum, side->sample_value + 4 * (size_t)s);
   }
 }
@@ -124,8 +124,7 @@ static void scatter(const LthContact *c, const LthContactSide *side, double *y) 
   for (LitheIndex i = 0; i < side->n_touched; i++) {
     LitheIndex s = side->touched[i];
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
-      lth_v3_axpy(e->sample_weight[k], side->sample_force + 4 * (size_t)s,
-                  y + 3 * (size_t)e->sample_func[k]);
+      lth_sample_add(e, k, side->sample_force + 4 * (size_t)s, y + 3 * (size_t)e->sample_func[k]);
   }
 }
 
@@ -157,12 +156,14 @@ static void add_block(const LthContactSide *side, LitheIndex s, const double D[9
   for (LitheCount k = e->sample_row_off[s]; k < e->sample_row_off[s + 1]; k++) {
     LitheIndex row = e->sample_row[k];
     int nb = e->row_func[row + 1] - e->row_func[row];
-    const double *w = e->sample_weight + at; // phi / n
+    const double *w = e->sample_weight + at * e->sample_width; // phi / n
+    const int width = e->sample_width, step = width == 3;
     double *block = extra + side->first_block + side->block_off[row];
     for (int a = 0; a < nb; a++)
       for (int b = 0; b < nb; b++)
         for (int i = 0; i < 9; i++)
-          block[(3 * a + i / 3) * 3 * nb + 3 * b + i % 3] += n * w[a] * w[b] * D[i];
+          block[(3 * a + i / 3) * 3 * nb + 3 * b + i % 3] +=
+              n * w[a * width + step * (i / 3)] * w[b * width + step * (i % 3)] * D[i];
     at += nb;
   }
 }

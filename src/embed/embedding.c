@@ -18,15 +18,11 @@ static void add_row(const double *values, const double *weight, const LitheIndex
 void lth_embedding_sample(const LthEmbedding *e, int threads, const double *coef, double *values) {
 #pragma omp parallel for schedule(static) num_threads(threads) if (e->n_samples > 2000)
   for (LitheIndex i = 0; i < e->n_samples; i++) {
-    double x = 0, y = 0, z = 0;
-    for (LitheCount k = e->sample_off[i]; k < e->sample_off[i + 1]; k++) {
-      const double *u = coef + 3 * (size_t)e->sample_func[k];
-      x += e->sample_weight[k] * u[0];
-      y += e->sample_weight[k] * u[1];
-      z += e->sample_weight[k] * u[2];
-    }
-    double *v = values + 4 * (size_t)i;
-    v[0] = x, v[1] = y, v[2] = z, v[3] = 0;
+    double sum[3] = {0, 0, 0}, *v = values + 4 * (size_t)i;
+    for (LitheCount k = e->sample_off[i]; k < e->sample_off[i + 1]; k++)
+      lth_sample_add(e, k, coef + 3 * (size_t)e->sample_func[k], sum);
+    lth_v3_copy(sum, v);
+    v[3] = 0;
   }
 }
 
@@ -53,7 +49,7 @@ void lth_embedding_point(const LthEmbedding *e, LitheIndex p, const double *u, d
     LitheIndex s = e->sample[i];
     double sum[3] = {0, 0, 0};
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
-      lth_v3_axpy(e->sample_weight[k], u + 3 * (size_t)e->sample_func[k], sum);
+      lth_sample_add(e, k, u + 3 * (size_t)e->sample_func[k], sum);
     lth_v3_axpy(e->weight[i], sum, value);
   }
 }
@@ -62,8 +58,9 @@ void lth_embedding_add_force(const LthEmbedding *e, LitheIndex p, const double f
                              double *f) {
   for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
     LitheIndex s = e->sample[i];
+    double share[3] = {e->weight[i] * force[0], e->weight[i] * force[1], e->weight[i] * force[2]};
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
-      lth_v3_axpy(e->weight[i] * e->sample_weight[k], force, f + 3 * (size_t)e->sample_func[k]);
+      lth_sample_add(e, k, share, f + 3 * (size_t)e->sample_func[k]);
   }
 }
 
@@ -72,7 +69,7 @@ void lth_embedding_weights(const LthEmbedding *e, LitheIndex p, double *weights)
   for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
     LitheIndex s = e->sample[i];
     for (LitheCount k = e->sample_off[s]; k < e->sample_off[s + 1]; k++)
-      weights[e->sample_func[k]] += e->weight[i] * e->sample_weight[k];
+      weights[e->sample_func[k]] += e->weight[i] * e->sample_weight[k * e->sample_width];
   }
 }
 

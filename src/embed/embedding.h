@@ -29,7 +29,8 @@ typedef struct LthEmbedding {
   double *sample_point;       ///< [m]                                    (n_samples x 3)
   LitheCount *sample_off;     ///< (n_samples + 1)
   LitheIndex *sample_func;    ///< functions of the discretisation, ascending per sample
-  double *sample_weight;      ///< [-]
+  double *sample_weight;      ///< [-]; sample_width for each function
+  int sample_width;           ///< 1, or 3: components have weights of their own
   LitheCount *sample_row_off; ///< (n_samples + 1)
   LitheIndex *sample_row;     ///< block rows whose functions a sample reads, all of them, ascending
   LitheIndex *cell;           ///< cell that holds (or is nearest to) the point (n_points)
@@ -47,8 +48,18 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
                                  LthEmbedding **embedding);
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
+/// Weights of entry e of a sample: v[a] += weight of component a times u[a].
+static inline void lth_sample_add(const LthEmbedding *e, LitheCount entry, const double u[3],
+                                  double v[3]) {
+  const double *w = e->sample_weight + entry * e->sample_width;
+  const int step = e->sample_width == 3;
+  v[0] += w[0] * u[0];
+  v[1] += w[step] * u[1];
+  v[2] += w[2 * step] * u[2];
+}
+
 /// Embed points in a continuous discretisation: they follow the functions of their cell, in the notation
-/// above with one sample for every function.
+/// above with one sample for every function, or, where components have functions of their own, one for every point.
 LitheStatus lth_embedding_create_direct(LitheCtx *ctx, const LthDisc *disc, LitheIndex n,
                                         const double *points, const LitheIndex *point_cell,
                                         LthEmbedding **embedding);
@@ -82,13 +93,17 @@ void lth_embedding_point(const LthEmbedding *e, LitheIndex point, const double *
 void lth_embedding_add_force(const LthEmbedding *e, LitheIndex point, const double force[3],
                              double *f);
 
-/// W of one point, as in eq. 32: weights (n_funcs), zero where the point does not reach.
+/// W of one point, as in eq. 32, of the first component: weights (n_funcs), zero where the point does not reach.
 void lth_embedding_weights(const LthEmbedding *e, LitheIndex point, double *weights);
 
 /// The cell that contains a point, or the nearest one; `inside` may be NULL. Looks at every cell: for
 /// many points make an LthCellSearch.
 LitheStatus lth_find_cell(LitheCtx *ctx, const LthMesh *mesh, const double x[3], LitheIndex *cell,
                           bool *inside);
+
+/// The same of a discretisation, which may have cells of its own.
+LitheStatus lth_disc_find_cell(LitheCtx *ctx, const LthDisc *disc, const double x[3],
+                               LitheIndex *cell, bool *inside);
 
 /// Cell of each surface point of a sliced mesh (n_surface_points), from the boundary faces around it;
 /// the lowest of several, -1 where no face has the point.

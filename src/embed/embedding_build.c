@@ -254,6 +254,7 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
   *embedding = NULL;
   LTH_NEW(ctx, e, 1);
   e->mesh = space->mesh;
+  e->sample_width = 1;
   e->n_funcs = space->n_funcs;
   e->n_rows = space->n_cells;
   e->row_func = space->func_off;

@@ -29,7 +29,13 @@ LitheStatus lth_step_prepare_own(LitheCtx *ctx, LthSimulation *s) {
 
 LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperator *extra,
                                double tolerance, LthSolveReport *report) {
-  double reach = s->rigid.H > 0 ? s->rigid.H : 1;
+  bool in_stage = s->rigid.H > 0;
+  double reach = in_stage ? s->rigid.H : 1;
+  const double *from = in_stage ? s->stage.x_hat : s->x;
+  if (s->own->aim) {
+    for (LitheCount i = 0; i < s->n; i++) s->scratch[i] = from[i] + reach * s->driven[i];
+    s->own->aim(only_disc(s), s->scratch);
+  }
   return s->own->solve(ctx, only_disc(s), extra, reach, s->rhs, s->solution, tolerance,
                        s->options.max_iterations, report);
 }
