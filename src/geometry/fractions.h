@@ -17,31 +17,44 @@ typedef struct LthFractionDef {
   double half_width; ///< of the smooth profile, in cells; 0: 1.2
 } LthFractionDef;
 
+enum { LTH_CELL_EMPTY, LTH_CELL_FULL, LTH_CELL_CUT }; ///< LTH_CELL_CUT and above: cut
+
 /// Part q of a cell is the quarter (eighth) towards the corner with bit a of q set where it is the high one
 /// along axis a. Fractions of all control volumes - cells, and boxes around faces and edges - are means of
-/// parts (lth_fractions_cells() and so on), so they are those of one solid.
+/// parts (lth_fractions_cells() and so on), so they are those of one solid. Only cut cells keep parts.
 typedef struct LthFractions {
   LthSparseGrid *
       grid; ///< owned. Every cell that holds something is in a block, and so are all its neighbours
-  int n_parts;         ///< 4 or 8
-  LitheCount *first;   ///< first value of a block in `part`, -1: all of it is full     (n_blocks)
-  double *part;        ///< in [0, 1], n_parts for each slot of blocks that are not full
-  LitheCount n_values; ///< of `part`
-  double volume;       ///< of the shape, as the parts have it [m^3]
+  int n_parts;    ///< 4 or 8
+  uint16_t *cell; ///< EMPTY, FULL, or CUT + place among the cut cells of its block      (n_slots)
+  LitheCount
+      *first;    ///< first cut cell of a block, in order                          (n_blocks + 1)
+  double *part;  ///< in [0, 1], n_parts for each cut cell            (first[n_blocks] x n_parts)
+  double volume; ///< of the shape, as the parts have it [m^3]
 } LthFractions;
 
-/// Fractions of a prepared shape (lth_shape_prepare()) on a grid of n cells from origin on. The grid of the result
-/// has margins of one cell at least around what the shape touches: its origin may lie before `origin` by whole cells.
+/// Fractions of a prepared shape (lth_shape_prepare()) on a grid of n cells from origin on; what lies beyond it is cut
+/// off. The grid of the result has margins of one cell at least around all that is inside: its origin may
+/// lie before `origin` by whole blocks. In 2D the shape is met at z = 0.
 /// LITHE_BAD_INPUT: the shape lies beside the grid.
 LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
                                  const double origin[3], const double h[3], const LitheIndex n[3],
                                  const LthFractionDef *def, LthFractions **fractions);
 void lth_fractions_destroy(LitheCtx *ctx, LthFractions **fractions);
 
+/// Fraction of the part with low corner `low` and size `size` (2D: size[2] = 0); thread-safe.
+typedef double (*LthPartFunction)(const void *self, const double low[3], const double size[3]);
+
+/// Fractions as a function gives them, asked for every part of the grid.
+LitheStatus lth_fractions_from(LitheCtx *ctx, int dim, const double origin[3], const double h[3],
+                               const LitheIndex n[3], LthPartFunction part, const void *self,
+                               LthFractions **fractions);
+
 /// Fraction of part q of a slot's cell.
 static inline double lth_fractions_part(const LthFractions *f, LitheCount slot, int q) {
-  LitheCount first = f->first[slot / f->grid->block_cells];
-  return first < 0 ? 1 : f->part[first + (slot % f->grid->block_cells) * f->n_parts + q];
+  uint16_t cell = f->cell[slot];
+  if (cell < LTH_CELL_CUT) return cell;
+  return f->part[(f->first[slot / f->grid->block_cells] + cell - LTH_CELL_CUT) * f->n_parts + q];
 }
 
 /// Means over control volumes, for all slots: cells; h-boxes around low faces across an axis; and around low edges
@@ -50,5 +63,7 @@ void lth_fractions_cells(LitheCtx *ctx, const LthFractions *f, double *V);
 void lth_fractions_faces(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
 void lth_fractions_edges(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
 
-/// Bytes that lth_fractions_create() will need at most for a shape with so much surface [m^2; 2D: m].
-LitheCount lth_fractions_forecast(int dim, const double h[3], const LitheIndex n[3], double area);
+/// Bytes that lth_fractions_create() will need at most for a shape with so much surface and so much inside
+/// [m^2 and m^3; 2D: m and m^2].
+LitheCount lth_fractions_forecast(int dim, const double h[3], const LitheIndex n[3], double area,
+                                  double volume);

@@ -154,6 +154,7 @@ LitheStatus lth_image_create(LitheCtx *ctx, const LthVolume *volume, double thre
   *image = NULL;
   LTH_NEW_OR(done, ctx, m, 1);
   m->volume = volume;
+  m->is_smoothed = width > 0;
   LTH_NEW_OR(done, ctx, m->level, lth_volume_size(volume));
   fill_level(ctx, m, threshold, labels, n_labels);
   bound_level(m);

@@ -7,6 +7,7 @@
 typedef struct LthImage {
   const LthVolume *volume; ///< borrowed for life
   float *level;            ///< negative inside, at voxel centres          (of the volume)
+  bool is_smoothed;        ///< else volume fractions take whole voxels
   double box[6];           ///< around all that is inside [m]
   LitheIndex n_islands;    ///< pieces connected over voxel faces
   LitheIndex *island;      ///< of each voxel, -1 outside; in the order of their first voxels

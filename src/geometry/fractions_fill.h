@@ -1,0 +1,80 @@
+/// How the parts of a row of blocks are found: what the methods of volume fractions have in common.
+#pragma once
+
+#include "geometry/fractions.h"
+#include "geometry/shape_probe.h"
+
+/// Where blocks, cells and parts lie.
+typedef struct LthFractionFrame {
+  int dim, side; ///< cells along a block
+  int n_parts;   ///< of a cell
+  LitheIndex block_cells;
+  double origin[3]; ///< of block (0, 0, 0); 2D: z = 0
+  double h[3];      ///< 2D: h[2] = 0
+  LitheIndex n_block[3];
+  LitheIndex first_cell[3], end_cell[3]; ///< cells of the grid that was asked for
+} LthFractionFrame;
+
+/// Blocks (at[m], j, k) of one row that the boundary may meet.
+typedef struct LthFractionRow {
+  LitheIndex j, k;
+  LitheIndex n;         ///< blocks
+  const LitheIndex *at; ///< rising                                                             (n)
+  double *part;         ///< zero before it is filled           (n x block_cells x n_parts)
+} LthFractionRow;
+
+/// A method. Both functions are thread-safe.
+typedef struct LthFractionFiller {
+  const void *self;
+  LthSide (*side)(const void *self, const double center[3], const double half[3]);
+  LitheStatus (*fill)(const void *self, LitheCtx *ctx, const LthFractionFrame *frame,
+                      const LthFractionRow *row);
+} LthFractionFiller;
+
+/// Low corner of a block.
+static inline void lth_fraction_corner(const LthFractionFrame *f, LitheIndex i, LitheIndex j,
+                                       LitheIndex k, double low[3]) {
+  low[0] = f->origin[0] + f->h[0] * f->side * i;
+  low[1] = f->origin[1] + f->h[1] * f->side * j;
+  low[2] = f->dim == 3 ? f->origin[2] + f->h[2] * f->side * k : 0;
+}
+
+/// Place in a block's parts of part (i, j, k), counted in halves of cells from the block's low corner.
+static inline LitheIndex lth_fraction_place(const LthFractionFrame *f, int i, int j, int k) {
+  int cell = i / 2 + f->side * (j / 2 + f->side * (k / 2));
+  return cell * f->n_parts + (i & 1) + 2 * (j & 1) + 4 * (k & 1);
+}
+
+/// Find which blocks are there, fill them, and keep what is cut.
+LitheStatus lth_fractions_build(LitheCtx *ctx, const LthFractionFiller *filler, int dim,
+                                const double origin[3], const double h[3], const LitheIndex n[3],
+                                LthFractions **fractions);
+
+/// LTH_FRACTIONS_SAMPLES by a probe.
+typedef struct LthSampler {
+  const LthProbe *probe;
+  int samples; ///< along a cell, even
+} LthSampler;
+LthSide lth_fraction_sample_side(const void *sampler, const double center[3], const double half[3]);
+LitheStatus lth_fraction_fill_samples(const void *sampler, LitheCtx *ctx,
+                                      const LthFractionFrame *frame, const LthFractionRow *row);
+
+/// LTH_FRACTIONS_SMOOTH by a probe.
+typedef struct LthSmoother {
+  const LthProbe *probe;
+  double width; ///< of the profile's half [m]
+  double step;  ///< of gradients [m]
+  int dim;
+} LthSmoother;
+LthSide lth_fraction_smooth_side(const void *smoother, const double center[3],
+                                 const double half[3]);
+LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx,
+                                     const LthFractionFrame *frame, const LthFractionRow *row);
+
+/// Value of a leaf box of `size` parts at `at` (counted in parts from the block's low corner).
+typedef double (*LthFractionLeaf)(const void *self, const LthFractionFrame *frame,
+                                  const double low[3], const int at[3]);
+
+/// Fill a block (low corner `low`) by halving: boxes on one side at once, parts that are mixed by `leaf`.
+void lth_fraction_halve(const LthFractionFiller *filler, LthFractionLeaf leaf,
+                        const LthFractionFrame *frame, const double low[3], double *part);

@@ -1,0 +1,176 @@
+/// Volume fractions: one lattice for all control volumes, margins, volumes, threads.
+#include "check.h"
+
+#include "base/tensor.h"
+#include "geometry/fractions.h"
+
+#include <string.h>
+
+typedef struct Fixture {
+  LitheCtx *ctx;
+} Fixture;
+
+static int setup(void **state) {
+  Fixture *f = calloc(1, sizeof *f);
+  f->ctx = test_ctx();
+  *state = f;
+  return 0;
+}
+
+static int teardown(void **state) {
+  Fixture *f = *state;
+  bool leaked = lth_alloc_bytes(f->ctx) != 0;
+  lithe_ctx_destroy(&f->ctx);
+  free(f);
+  return leaked;
+}
+
+static const LthShape ball = {.kind = LTH_SHAPE_SPHERE, .a = {0.03, -0.02, 0.05}, .radius = 0.7};
+static const double origin[3] = {-1, -0.9, -0.95}, h[3] = {0.1, 0.09, 0.095};
+static const LitheIndex n[3] = {20, 20, 20};
+static const LthFractionDef by_samples = {.method = LTH_FRACTIONS_SAMPLES, .samples = 4};
+
+static LthFractions *create(LitheCtx *ctx, const LthShape *shape, int dim,
+                            const LthFractionDef *def) {
+  LthFractions *f = NULL;
+  CHECK_OK(ctx, lth_fractions_create(ctx, shape, dim, origin, h, n, def, &f));
+  return f;
+}
+
+/// Mean over a box by the samples of the lattice that lie in it, asked one by one.
+static double sampled_mean(const LthShape *shape, int dim, int samples, const double center[3]) {
+  int count = 0, all = 0;
+  for (int k = 0; k < (dim == 3 ? samples : 1); k++)
+    for (int j = 0; j < samples; j++)
+      for (int i = 0; i < samples; i++, all++) {
+        double x[3] = {0, 0, 0}, place[3] = {i, j, k};
+        for (int a = 0; a < dim; a++) x[a] = center[a] + h[a] * ((place[a] + 0.5) / samples - 0.5);
+        count += lth_shape_value(shape, x) <= 0;
+      }
+  return (double)count / all;
+}
+
+typedef void (*Means)(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
+
+static void cells(LitheCtx *ctx, const LthFractions *f, int axis, double *V) {
+  (void)axis;
+  lth_fractions_cells(ctx, f, V);
+}
+
+static void check_means(LitheCtx *ctx, const LthFractions *f, const LthShape *shape, Means means,
+                        int axis, const double offset[3]) {
+  const LthSparseGrid *g = f->grid;
+  double *V = calloc((size_t)g->n_slots, sizeof *V);
+  means(ctx, f, axis, V);
+  for (LitheCount slot = 0; slot < g->n_slots; slot++) {
+    LitheIndex cell[3];
+    double x[3];
+    lth_sparse_grid_cell(g, slot, cell);
+    lth_sparse_grid_place(g, cell, offset, x);
+    CHECK_NEAR(V[slot], sampled_mean(shape, g->dim, 4, x), 1e-14);
+  }
+  free(V);
+}
+
+static void every_control_volume_is_the_mean_of_its_own_samples(void **state) {
+  Fixture *x = *state;
+  for (int dim = 2; dim <= 3; dim++) {
+    LthFractions *f = create(x->ctx, &ball, dim, &by_samples);
+    double z = dim == 3 ? 0.5 : 0;
+    check_means(x->ctx, f, &ball, cells, 0, (double[3]){0.5, 0.5, z});
+    check_means(x->ctx, f, &ball, lth_fractions_faces, 0, (double[3]){0, 0.5, z});
+    check_means(x->ctx, f, &ball, lth_fractions_faces, 1, (double[3]){0.5, 0, z});
+    check_means(x->ctx, f, &ball, lth_fractions_edges, 2, (double[3]){0, 0, z});
+    if (dim == 3) {
+      check_means(x->ctx, f, &ball, lth_fractions_faces, 2, (double[3]){0.5, 0.5, 0});
+      check_means(x->ctx, f, &ball, lth_fractions_edges, 0, (double[3]){0.5, 0, 0});
+      check_means(x->ctx, f, &ball, lth_fractions_edges, 1, (double[3]){0, 0.5, 0});
+    }
+    lth_fractions_destroy(x->ctx, &f);
+  }
+}
+
+static void all_that_is_inside_is_in_a_block_with_all_its_neighbours(void **state) {
+  Fixture *x = *state;
+  LthShape block = {.kind = LTH_SHAPE_BOX, .a = {-1, -0.9, -0.95}, .b = {1, 0.9, 0.95}};
+  for (int dim = 2; dim <= 3; dim++)
+    for (int full = 0; full < 2; full++) {
+      LthFractions *f = create(x->ctx, full ? &block : &ball, dim, &by_samples);
+      const LthSparseGrid *g = f->grid;
+      LitheCount held = 0;
+      for (LitheCount slot = 0; slot < g->n_slots; slot++) {
+        if (f->cell[slot] == LTH_CELL_EMPTY) continue;
+        held++;
+        for (int q = 0; q < (dim == 3 ? 27 : 9); q++)
+          assert_true(lth_sparse_grid_step(
+                          g, slot, (int[3]){q % 3 - 1, q / 3 % 3 - 1, dim == 3 ? q / 9 - 1 : 0}) >=
+                      0);
+      }
+      if (full) {
+        assert_int_equal(held, dim == 3 ? 8000 : 400);
+        CHECK_NEAR(f->volume, dim == 3 ? 2 * 1.8 * 1.9 : 2 * 1.8, 1e-13);
+        assert_true(f->grid->origin[0] < -1 - h[0] + 1e-12);
+        assert_true(f->grid->n[0] * h[0] + f->grid->origin[0] > 1 + h[0] - 1e-12);
+      }
+      lth_fractions_destroy(x->ctx, &f);
+    }
+}
+
+static void what_lies_beyond_the_grid_is_cut_off(void **state) {
+  Fixture *x = *state;
+  LthShape large = {.kind = LTH_SHAPE_BOX, .a = {-5, -0.45, -5}, .b = {5, 5, 5}};
+  LthFractions *f = create(x->ctx, &large, 3, &by_samples);
+  CHECK_NEAR(f->volume, 2 * 1.35 * 1.9, 1e-13);
+  lth_fractions_destroy(x->ctx, &f);
+}
+
+static void a_shape_beside_the_grid_is_refused(void **state) {
+  Fixture *x = *state;
+  LthShape far = {.kind = LTH_SHAPE_SPHERE, .a = {9, 9, 9}, .radius = 1};
+  LthFractions *f = NULL;
+  assert_int_equal(lth_fractions_create(x->ctx, &far, 3, origin, h, n, &by_samples, &f),
+                   LITHE_BAD_INPUT);
+  assert_null(f);
+  assert_non_null(strstr(lithe_ctx_message(x->ctx), "beside"));
+}
+
+static void odd_numbers_of_samples_are_refused(void **state) {
+  Fixture *x = *state;
+  LthFractionDef odd = {.method = LTH_FRACTIONS_SAMPLES, .samples = 5};
+  LthFractions *f = NULL;
+  assert_int_equal(lth_fractions_create(x->ctx, &ball, 3, origin, h, n, &odd, &f), LITHE_BAD_INPUT);
+}
+
+/// The value at the middle of a part, made linear.
+static double linear_part(const void *self, const double low[3], const double size[3]) {
+  (void)self;
+  return 0.5 + 0.1 * (low[0] + 0.5 * size[0]) + 0.2 * (low[1] + 0.5 * size[1]);
+}
+
+static void functions_give_their_own_parts(void **state) {
+  Fixture *x = *state;
+  LthFractions *f = NULL;
+  CHECK_OK(x->ctx, lth_fractions_from(x->ctx, 2, origin, h, n, linear_part, NULL, &f));
+  LitheCount slot = lth_sparse_grid_slot(f->grid, f->grid->n[0] / 2, f->grid->n[1] / 2, 0);
+  LitheIndex cell[3];
+  double low[3];
+  lth_sparse_grid_cell(f->grid, slot, cell);
+  lth_sparse_grid_place(f->grid, cell, (double[3]){0.5, 0, 0}, low);
+  CHECK_NEAR(lth_fractions_part(f, slot, 1),
+             0.5 + 0.1 * (low[0] + h[0] / 4) + 0.2 * (low[1] + h[1] / 4), 1e-14);
+  lth_fractions_destroy(x->ctx, &f);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      TEST(every_control_volume_is_the_mean_of_its_own_samples),
+      TEST(all_that_is_inside_is_in_a_block_with_all_its_neighbours),
+      TEST(what_lies_beyond_the_grid_is_cut_off),
+      TEST(a_shape_beside_the_grid_is_refused),
+      TEST(odd_numbers_of_samples_are_refused),
+      TEST(functions_give_their_own_parts),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
