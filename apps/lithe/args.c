@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, CONVERT = 16, ALL = 31 };
+enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, CONVERT = 16, STUDY = 32, ALL = 63 };
 
 static const struct {
   const char *name;
   int bit;
-  int n_words; ///< 1: a scene; 2: a deck, then a scene
+  int n_words; ///< 1: a scene; 2: a deck, then a scene; -1: a scene or a name, or none
   const char *usage, *purpose;
 } commands[] = {
     {"run", RUN, 1, "lithe run SCENE [-o DIR] [options]\n       lithe run --resume DIR [options]",
@@ -21,6 +21,10 @@ static const struct {
      "make the mesh only, report its quality"},
     {"convert", CONVERT, 2, "lithe convert DECK.inp SCENE.yaml [--step N]",
      "translate a CalculiX or Abaqus deck into a scene"},
+    {"study", STUDY, -1,
+     "lithe study [NAME | GROUP | all] [-o DIR] [options]\n"
+     "       lithe study SCENE --sweep KEY=VALUE,VALUE,... [-o DIR] [options]",
+     "compute a paper's figure or table anew, or sweep a scene's values"},
     {"info", INFO, 0, "lithe info", "print version, build options, engines and licence"},
 };
 
@@ -29,15 +33,19 @@ static const struct {
   int commands;
   const char *purpose;
 } options[] = {
-    {"--out", "-o", "PATH", RUN | MESH,
+    {"--out", "-o", "PATH", RUN | MESH | STUDY,
      "where to write (run: a folder, out/<scene name> if not given)"},
     {"--resume", NULL, "DIR", RUN, "go on with an interrupted run from its last checkpoint"},
-    {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH,
+    {"--sweep", NULL, "KEY=LIST", STUDY,
+     "values to run a scene with: --sweep bodies.0.method.cells=8,16,32"},
+    {"--quick", NULL, NULL, STUDY, "coarser and shorter, the same questions"},
+    {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH | STUDY,
      "override a value: --set bodies.0.method.degree=2"},
-    {"--threads", NULL, "N", RUN | CHECK | MESH, "threads to use (all cores if not given)"},
+    {"--threads", NULL, "N", RUN | CHECK | MESH | STUDY, "threads to use (all cores if not given)"},
     {"--step", NULL, "N", CONVERT, "translate the end of this step (the last if not given)"},
-    {"--json", NULL, NULL, RUN | CHECK | MESH, "print the result as JSON on standard output"},
-    {"--quiet", "-q", NULL, RUN | CHECK | MESH | CONVERT, "print nothing but errors"},
+    {"--json", NULL, NULL, RUN | CHECK | MESH | STUDY,
+     "print the result as JSON on standard output"},
+    {"--quiet", "-q", NULL, RUN | CHECK | MESH | CONVERT | STUDY, "print nothing but errors"},
     {"--help", "-h", NULL, ALL, "print this help"},
     {"--version", NULL, NULL, ALL, "print the version"},
 };
@@ -132,13 +140,24 @@ static bool add_set(const char *value, Args *args) {
   return true;
 }
 
+static bool add_sweep(const char *value, Args *args) {
+  if (args->n_sweeps == ARGS_MAX_SWEEPS) {
+    fprintf(stderr, "lithe: --sweep: at most %d keys can be swept\n", ARGS_MAX_SWEEPS);
+    return false;
+  }
+  args->sweeps[args->n_sweeps++] = value;
+  return true;
+}
+
 static bool apply(int option, const char *value, Args *args) {
   const char *name = options[option].name;
   if (strcmp(name, "--set") == 0) return add_set(value, args);
+  if (strcmp(name, "--sweep") == 0) return add_sweep(value, args);
   if (strcmp(name, "--threads") == 0) return set_threads(value, args);
   if (strcmp(name, "--step") == 0) return set_step(value, args);
   if (strcmp(name, "--out") == 0) args->out = value;
   if (strcmp(name, "--resume") == 0) args->resume = value;
+  if (strcmp(name, "--quick") == 0) args->quick = true;
   if (strcmp(name, "--json") == 0) args->json = true;
   if (strcmp(name, "--quiet") == 0) args->quiet = true;
   if (strcmp(name, "--help") == 0) args->help = true;
@@ -215,13 +234,17 @@ static bool is_only_resume(const Args *args) {
 static bool is_complete(const Args *args) {
   if (args->help || args->version) return true;
   if (!args->command) {
-    fprintf(stderr, "lithe: a command is missing: run, check, mesh, convert or info; 'lithe "
-                    "--help' says more\n");
+    fprintf(stderr, "lithe: a command is missing: run, check, mesh, convert, study or info; "
+                    "'lithe --help' says more\n");
     return false;
   }
   if (args->resume) return is_only_resume(args);
+  if (args->n_sweeps > 0 && !args->scene) {
+    fprintf(stderr, "lithe: study: --sweep needs a scene file\n");
+    return false;
+  }
   int command = find_command(args->command);
-  if (commands[command].n_words == 0 || args->scene) return true;
+  if (commands[command].n_words <= 0 || args->scene) return true;
   bool no_deck = commands[command].n_words == 2 && !args->deck;
   fprintf(stderr, "lithe: %s: a %s file is missing\nusage: %s\n", args->command,
           no_deck ? "deck" : "scene", commands[command].usage);
@@ -268,7 +291,7 @@ void args_print_help(const char *command) {
   for (int i = 0; i < COUNT(commands); i++)
     printf("  %-8s %s\n", commands[i].name, commands[i].purpose);
   print_options(ALL);
-  printf(
-      "\nExit status: 0 done, 2 bad usage or input, 3 did not converge, 4 out of memory or disk,\n"
-      "130 interrupted.\n");
+  printf("\nExit status: 0 done, 1 a check of a study does not hold, 2 bad usage or input, 3 did "
+         "not converge, 4 out of memory or disk,\n"
+         "130 interrupted.\n");
 }

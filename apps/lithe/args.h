@@ -4,17 +4,20 @@
 #include <stdbool.h>
 
 #define ARGS_MAX_SETS 256
+#define ARGS_MAX_SWEEPS 8
 
 /// Text is borrowed from argv.
 typedef struct Args {
   const char *command;             ///< NULL: none was given
-  const char *scene;               ///< NULL where the command takes none
+  const char *scene;               ///< or the name of a study; NULL where the command takes none
   const char *deck;                ///< of convert, or NULL
   const char *out;                 ///< -o, or NULL
   const char *resume;              ///< --resume, or NULL: there is no scene then
   const char *sets[ARGS_MAX_SETS]; ///< --set path=value, in order           (n_sets)
   int n_sets;
-  bool json, quiet, help, version;
+  const char *sweeps[ARGS_MAX_SWEEPS]; ///< --sweep path=value,value,...   (n_sweeps)
+  int n_sweeps;
+  bool json, quiet, quick, help, version;
   int threads; ///< 0: not given
   int step;    ///< 0: not given
 } Args;

@@ -12,6 +12,7 @@ int main(int argc, char **argv) {
                   {"check", cmd_check},
                   {"mesh", cmd_mesh},
                   {"convert", cmd_convert},
+                  {"study", cmd_study},
                   {"info", cmd_info}};
   Args args;
   if (!args_parse(argc, argv, &args)) return 2;

@@ -25,6 +25,7 @@ typedef int64_t LitheCount; ///< non-zeros, unknowns and other sizes that may ex
 /// The one list of status codes: name, exit status of the program, text.
 #define LITHE_STATUS_LIST(X)                                                                       \
   X(LITHE_OK, 0, "success")                                                                        \
+  X(LITHE_FAILED, 1, "a check does not hold")                                                      \
   X(LITHE_BAD_INPUT, 2, "bad input")                                                               \
   X(LITHE_UNSUPPORTED, 2, "not supported")                                                         \
   X(LITHE_NOT_CONVERGED, 3, "did not converge")                                                    \
@@ -41,7 +42,7 @@ typedef enum LitheStatus {
 /// Short text of a status, never NULL.
 LITHE_API const char *lithe_status_text(LitheStatus status);
 
-/// Exit status of the program for a status (0, 2, 3, 4 or 130).
+/// Exit status of the program for a status (0, 1, 2, 3, 4 or 130).
 LITHE_API int lithe_status_exit(LitheStatus status);
 
 /// Memory, messages, threads and cancellation of one user of the library. Not shared between threads.

@@ -6,3 +6,4 @@
 #include "lithe/info.h"
 #include "lithe/run.h"
 #include "lithe/scene.h"
+#include "lithe/study.h"

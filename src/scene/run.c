@@ -5,6 +5,7 @@
 #include "io/matrix_market.h"
 #include "scene/checkpoint.h"
 #include "scene/result.h"
+#include "scene/run_look.h"
 #include "scene/scene_public.h"
 
 #include <math.h>
@@ -42,9 +43,16 @@ typedef struct Run {
   LthTimes times;
   double start;
   LthCheckpoint checkpoint;
-  LthResume *resume; ///< or NULL: from the beginning
-  LthPlace place;    ///< of the step that comes
+  LthResume *resume;      ///< or NULL: from the beginning
+  LthPlace place;         ///< of the step that comes
+  const LthRunLook *look; ///< or NULL
 } Run;
+
+static LitheStatus write_frame(LitheCtx *ctx, Run *run) {
+  LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
+  if (!run->look) return LITHE_OK;
+  return run->look->look(run->look->user, ctx, run->world, run->out.n_frames - 1);
+}
 
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
@@ -76,11 +84,10 @@ static LitheStatus advance(LitheCtx *ctx, Run *run) {
 }
 
 static LitheStatus go_on(LitheCtx *ctx, Run *run) {
-  if (!run->resume && run->schedule.writes_start)
-    LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
+  if (!run->resume && run->schedule.writes_start) LITHE_TRY(write_frame(ctx, run));
   for (; run->place.output <= run->schedule.n_outputs; run->place.output++) {
     LITHE_TRY(advance(ctx, run));
-    LITHE_TRY(lth_output_frame(ctx, &run->out, run->world));
+    LITHE_TRY(write_frame(ctx, run));
     run->place.step = 0;
   }
   return lth_simulation_report(run->world->sim)->converged ? LITHE_OK : LITHE_NOT_CONVERGED;
@@ -218,8 +225,8 @@ static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
 }
 
 static LitheStatus start(LitheCtx *ctx, const LitheScene *scene, const char *folder,
-                         LthResume *resume, LitheResult **result) {
-  Run run = {.scene = scene->scene, .start = lth_now(), .resume = resume};
+                         LthResume *resume, const LthRunLook *look, LitheResult **result) {
+  Run run = {.scene = scene->scene, .start = lth_now(), .resume = resume, .look = look};
   LTH_NEW(ctx, *result, 1);
   LITHE_TRY(name_folder(ctx, run.scene, folder, &(*result)->folder));
   run.folder = (*result)->folder;
@@ -236,14 +243,19 @@ static LitheStatus start(LitheCtx *ctx, const LitheScene *scene, const char *fol
 
 LitheStatus lithe_run(LitheCtx *ctx, const LitheScene *scene, const char *folder,
                       LitheResult **result) {
-  return start(ctx, scene, folder, NULL, result);
+  return start(ctx, scene, folder, NULL, NULL, result);
+}
+
+LitheStatus lth_run_looked_at(LitheCtx *ctx, const LitheScene *scene, const char *folder,
+                              const LthRunLook *look, LitheResult **result) {
+  return start(ctx, scene, folder, NULL, look, result);
 }
 
 LitheStatus lithe_resume(LitheCtx *ctx, const LitheScene *scene, const char *folder,
                          LitheResult **result) {
   LthResume resume;
   LitheStatus status = lth_resume_open(ctx, folder, &resume);
-  if (status == LITHE_OK) status = start(ctx, scene, folder, &resume, result);
+  if (status == LITHE_OK) status = start(ctx, scene, folder, &resume, NULL, result);
   lth_resume_close(ctx, &resume);
   return status;
 }

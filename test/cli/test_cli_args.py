@@ -2,7 +2,7 @@
 from cli import check, done, expect, run
 
 check("no_command_is_named", [], status=2,
-      err="lithe: a command is missing: run, check, mesh, convert or info; 'lithe --help' says more\n")
+      err="lithe: a command is missing: run, check, mesh, convert, study or info; 'lithe --help' says more\n")
 check("unknown_command_gets_the_nearest", ["rum", "a.yaml"], status=2,
       err="lithe: unknown command 'rum'; did you mean 'run'?\n")
 check("unknown_option_gets_the_nearest", ["run", "a.yaml", "--theads", "2"], status=2,
@@ -43,7 +43,7 @@ Options:
 """)
 got = run("--help")
 expect("help_names_every_command", got.returncode == 0 and
-       all("\n  %s " % c in got.stdout for c in ("run", "check", "mesh", "convert", "info")), got.stdout)
+       all("\n  %s " % c in got.stdout for c in ("run", "check", "mesh", "convert", "study", "info")), got.stdout)
 got = run("info")
 expect("info_tells_version_engines_and_licence", got.returncode == 0 and got.stderr == "" and
        got.stdout.startswith("lithe       0.1.0\n") and "\nengines     cholesky, pcg, multigrid\n" in got.stdout and

@@ -1,0 +1,78 @@
+/// Running studies one after the other, and what remains of them.
+#include "lithe/study.h"
+
+#include "io/file.h"
+#include "io/text.h"
+#include "study/study_book.h"
+#include "study/study_list.h"
+
+#include <stdio.h>
+#include <string.h>
+
+LitheStudyDef lithe_study_def_default(void) { return (LitheStudyDef){0}; }
+
+LitheIndex lithe_study_count(void) {
+  LitheIndex n = 0;
+  while (lth_study_at(n)) n++;
+  return n;
+}
+
+const char *lithe_study_name(LitheIndex i) {
+  const LthStudy *study = lth_study_at(i);
+  return study ? study->name : NULL;
+}
+
+const char *lithe_study_title(LitheIndex i) {
+  const LthStudy *study = lth_study_at(i);
+  return study ? study->title : NULL;
+}
+
+/// No such study: the message lists those that there are.
+static LitheStatus fail_unknown(LitheCtx *ctx, const char *name) {
+  char list[1500] = "";
+  const LthStudy *study;
+  for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++) {
+    size_t used = strlen(list);
+    snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", study->name);
+  }
+  LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+             "no study is called '%s'; expected one of %s, a group such as validation, all, or a "
+             "scene file with --sweep",
+             name, list);
+}
+
+/// Run one, with its folder empty of an earlier report.
+static LitheStatus run_one(LthBook *book, const LthStudy *study, const LitheStudyDef *def) {
+  LthStudyRun *run;
+  LITHE_TRY(lth_book_add(book, study, study->name, &run));
+  run->quick = def->quick;
+  run->overrides = def->overrides;
+  run->n_overrides = def->n_overrides;
+  LitheStatus status = study->run(run);
+  return lth_book_finish(book, run, status, def);
+}
+
+static LitheStatus run_all(LthBook *book, const LitheStudyDef *def) {
+  LitheIndex n = 0;
+  const LthStudy *study;
+  for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++) {
+    if (!lth_study_is_meant(study, def->name)) continue;
+    n++;
+    LITHE_TRY(run_one(book, study, def));
+  }
+  return n > 0 ? LITHE_OK : fail_unknown(book->ctx, def->name);
+}
+
+LitheStatus lithe_study(LitheCtx *ctx, const LitheStudyDef *def, LitheStudyResult **result) {
+  LthBook book;
+  char title[200], command[300];
+  snprintf(title, sizeof title, "Lithe: study %s", def->name);
+  snprintf(command, sizeof command, "lithe study %s%s", def->name, def->quick ? " --quick" : "");
+  LthTextLocale before = lth_text_locale_begin();
+  LitheStatus status = lth_book_open(ctx, def->folder ? def->folder : "out/study", &book);
+  if (status == LITHE_OK) status = run_all(&book, def);
+  if (status == LITHE_OK) status = lth_book_write(&book, title, command, result);
+  lth_book_close(&book);
+  lth_text_locale_end(before);
+  return status;
+}
