@@ -109,8 +109,21 @@ double lth_shape_value(const LthShape *s, const double x[3]) {
     return lth_image_value(s->image, x);
   case LTH_SHAPE_WRAP:
     return lth_wrap_value(s->wrap, x);
+  case LTH_SHAPE_DISK:
+    return hypot(x[0] - s->a[0], x[1] - s->a[1]) - s->radius;
+  case LTH_SHAPE_ANNULUS:
+    value = hypot(x[0] - s->a[0], x[1] - s->a[1]);
+    return fmax(value - s->radius, s->inner - value);
+  case LTH_SHAPE_POLYGON:
+    return lth_loops_distance(s->loops, x, NULL, NULL);
   }
   return INFINITY;
+}
+
+/// A box of a plane scene is endless along z.
+static void box_bounds(const double low[3], const double high[3], double min[3], double max[3]) {
+  int n = isinf(low[2]) ? 2 : 3;
+  for (int i = 0; i < n; i++) min[i] = low[i], max[i] = high[i];
 }
 
 static void axis_bounds(const LthShape *s, double min[3], double max[3]) {
@@ -142,8 +155,7 @@ void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
   for (int i = 0; i < 3; i++) min[i] = max[i] = 0;
   switch (s->kind) {
   case LTH_SHAPE_BOX:
-    lth_v3_copy(s->a, min);
-    lth_v3_copy(s->b, max);
+    box_bounds(s->a, s->b, min, max);
     return;
   case LTH_SHAPE_SPHERE:
   case LTH_SHAPE_SHELL:
@@ -157,8 +169,7 @@ void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
     lth_surface_bounds(s->surface, min, max);
     return;
   case LTH_SHAPE_IMPLICIT:
-    lth_v3_copy(s->box, min);
-    lth_v3_copy(s->box + 3, max);
+    box_bounds(s->box, s->box + 3, min, max);
     return;
   case LTH_SHAPE_UNION:
   case LTH_SHAPE_INTERSECTION:
@@ -174,6 +185,13 @@ void lth_shape_bounds(const LthShape *s, double min[3], double max[3]) {
   case LTH_SHAPE_WRAP:
     lth_v3_copy(s->wrap->box, min);
     lth_v3_copy(s->wrap->box + 3, max);
+    return;
+  case LTH_SHAPE_DISK:
+  case LTH_SHAPE_ANNULUS:
+    for (int i = 0; i < 2; i++) min[i] = s->a[i] - s->radius, max[i] = s->a[i] + s->radius;
+    return;
+  case LTH_SHAPE_POLYGON:
+    for (int i = 0; i < 2; i++) min[i] = s->loops->box[i], max[i] = s->loops->box[2 + i];
     return;
   }
 }

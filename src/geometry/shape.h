@@ -5,11 +5,12 @@
 #include "base/value.h"
 #include "geometry/bvh.h"
 #include "geometry/image.h"
+#include "geometry/loops.h"
 #include "geometry/surface.h"
 #include "geometry/wrap.h"
 
 typedef enum LthShapeKind {
-  LTH_SHAPE_BOX,      ///< a = min, b = max
+  LTH_SHAPE_BOX,      ///< a = min, b = max; in a plane scene z from -INFINITY to INFINITY
   LTH_SHAPE_SPHERE,   ///< a = center, radius
   LTH_SHAPE_CYLINDER, ///< a = from, b = to, radius
   LTH_SHAPE_CAPSULE,  ///< a = from, b = to, radius
@@ -20,7 +21,10 @@ typedef enum LthShapeKind {
   LTH_SHAPE_INTERSECTION,
   LTH_SHAPE_DIFFERENCE, ///< first child minus the others
   LTH_SHAPE_IMAGE,      ///< inside where the level of an image is negative
-  LTH_SHAPE_WRAP        ///< inside where the winding number is above one half
+  LTH_SHAPE_WRAP,       ///< inside where the winding number is above one half
+  LTH_SHAPE_DISK,       ///< of plane scenes, where z does not count: a = center, radius
+  LTH_SHAPE_ANNULUS,    ///< the same: a = center, radius = outer, inner
+  LTH_SHAPE_POLYGON     ///< the same: loops
 } LthShapeKind;
 
 /// Owned by whoever made it; children and strings too (lth_shape_free).
@@ -36,6 +40,7 @@ struct LthShape {
   double box[6];         ///< IMPLICIT: where to look for the surface: min, max
   const LthImage *image; ///< IMAGE: borrowed
   const LthWrap *wrap;   ///< WRAP: borrowed
+  const LthLoops *loops; ///< POLYGON: borrowed
   double resolution;     ///< WRAP: edge length of its surface [m], 0: what the whole shape has
   LthShape *children;
   LitheIndex n_children;
@@ -52,7 +57,7 @@ LitheStatus lth_shape_prepare(LitheCtx *ctx, LthShape *shape);
 /// for primitives, a lower bound for combinations. Closed set: 0 counts as inside. Thread-safe.
 double lth_shape_value(const LthShape *shape, const double x[3]);
 
-/// Smallest box that holds the shape.
+/// Smallest box that holds the shape. Of plane shapes z is 0.
 void lth_shape_bounds(const LthShape *shape, double min[3], double max[3]);
 
 /// A closed surface of the shape. A box gives its 12 triangles, a mesh a copy of itself, other
@@ -61,6 +66,6 @@ void lth_shape_bounds(const LthShape *shape, double min[3], double max[3]);
 /// points moved onto the surface by root finding (sharp edges are chamfered at `resolution`). Pieces of
 /// wrapped surfaces and images that are smaller than a lattice cell are left out.
 /// The result's soup is itself: soup_point and tri_poly are the identity.
-/// LITHE_BAD_INPUT: no surface found, no size, or far too fine a resolution.
+/// LITHE_BAD_INPUT: no surface found, no size, far too fine a resolution, or a shape of plane scenes.
 LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double resolution,
                                  LthSurface **surface);

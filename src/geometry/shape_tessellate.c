@@ -360,6 +360,10 @@ static LitheStatus build(Builder *b, const LthShape *s, double resolution) {
   case LTH_SHAPE_IMAGE:
   case LTH_SHAPE_WRAP:
     break;
+  case LTH_SHAPE_DISK:
+  case LTH_SHAPE_ANNULUS:
+  case LTH_SHAPE_POLYGON:
+    LITHE_FAIL(b->ctx, LITHE_BAD_INPUT, "a shape of two dimensions has no surface in space");
   }
   return build_isosurface(b, s, resolution);
 }

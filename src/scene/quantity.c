@@ -112,10 +112,12 @@ static bool check_unit(LthReport *report, LthNode *node, const LthQuantity *quan
 }
 
 static const char *uses_text(int uses) {
-  bool has_image = uses & LTH_USES_IMAGE;
+  bool has_image = uses & LTH_USES_IMAGE, is_plane = !(uses & LTH_USES_Z);
   uses &= ~LTH_USES_IMAGE;
-  if (has_image) return "x, y, z, value, label";
-  return uses == LTH_USES_T ? "t" : uses == LTH_USES_XYZ ? "x, y, z" : "x, y, z, t";
+  if (has_image) return is_plane ? "x, y, value, label" : "x, y, z, value, label";
+  if (uses == LTH_USES_T) return "t";
+  if (is_plane) return uses & LTH_USES_T ? "x, y, t" : "x, y";
+  return uses & LTH_USES_T ? "x, y, z, t" : "x, y, z";
 }
 
 static void report_variables(LthReport *report, LthNode *node, int may_use, int extra) {

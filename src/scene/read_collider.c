@@ -32,6 +32,7 @@ static LitheStatus read_collider(LthReader *r, const LthNode *node, LthCollider 
     const char *key;
     LthColliderKind kind;
   } shapes[] = {{"sphere", LTH_COLLIDER_SPHERE},
+                {"disk", LTH_COLLIDER_SPHERE}, // z is 0 in plane scenes
                 {"box", LTH_COLLIDER_BOX},
                 {"capsule", LTH_COLLIDER_CAPSULE}};
   const LthNode *plane = lth_node_get(node, "plane"), *mesh = lth_node_get(node, "mesh"),

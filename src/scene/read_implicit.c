@@ -23,8 +23,8 @@ static double eval_placed(const void *self, const double x[3], double t) {
   return lth_value_at(&p->value, local, t);
 }
 
-/// Box around the placed corners of a box.
-static void place_box(const LthPlacement *place, double box[6]) {
+/// Box around the placed corners of a box, in a plane scene endless along z.
+static void place_box(const LthReader *r, const LthPlacement *place, double box[6]) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; corner++) {
     double x[3], placed[3];
@@ -35,6 +35,7 @@ static void place_box(const LthPlacement *place, double box[6]) {
   }
   memcpy(box, low, sizeof low);
   memcpy(box + 3, high, sizeof high);
+  lth_open_box(r, box, box + 3);
 }
 
 static bool read_box(LthReader *r, const LthNode *node, double box[6]) {
@@ -44,7 +45,7 @@ static bool read_box(LthReader *r, const LthNode *node, double box[6]) {
       lth_report(r->report, node, "half a box, got one of min and max; expected both");
     return false;
   }
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < r->scene->dimension; i++) {
     if (box[i] < box[3 + i]) continue;
     lth_report(r->report, lth_node_find(node, "max"),
                "an empty box, got max not above min along %c; expected max > min", "xyz"[i]);
@@ -62,7 +63,7 @@ LitheStatus lth_read_implicit(LthReader *r, const LthNode *node, const LthPlacem
   double box[6];
   if (is_map && read_box(r, node, box)) {
     memcpy(shape->box, box, sizeof box);
-    place_box(place, shape->box);
+    place_box(r, place, shape->box);
   }
   shape->value = value;
   lth_expression_list_allow_gaps(&r->owned->expressions, &value);
@@ -122,13 +123,15 @@ static bool neighbour_box(const LthShape *s, double box[6]) {
 
 void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const double *search) {
   if (shape->kind == LTH_SHAPE_IMPLICIT && !is_bounded(shape)) {
-    if (search)
+    if (search) {
       memcpy(shape->box, search, sizeof shape->box);
-    else
+      lth_open_box(r, shape->box, shape->box + 3);
+    } else {
       lth_report(r->report, lth_node_find(node, "implicit"),
                  "no box to look for the shape in, got an expression alone; expected {value, min, "
                  "max}, or "
                  "method.grid");
+    }
     return;
   }
   const LthNode *child_node = child_list(node);

@@ -21,13 +21,15 @@ static void read_grid(LthReader *r, const LthNode *node, LthGrid *grid) {
   lth_read_vector(node, "min", grid->min);
   lth_read_vector(node, "max", grid->max);
   read_cells(lth_node_get(node, "cells"), grid->cells);
-  for (int i = 0; i < 3 && lth_node_get(node, "min") && lth_node_get(node, "max"); i++) {
+  int dim = r->scene->dimension;
+  for (int i = 0; i < dim && lth_node_get(node, "min") && lth_node_get(node, "max"); i++) {
     if (grid->min[i] < grid->max[i]) continue;
     lth_report(r->report, lth_node_find(node, "max"),
                "an empty grid, got %g..%g along %c; expected max > min", grid->min[i], grid->max[i],
                "xyz"[i]);
     return;
   }
+  if (dim == 2) grid->min[2] = -0.5, grid->max[2] = 0.5; // one cell of 1 m, as LthSparseGrid has it
 }
 
 static void read_penalty(const LthNode *node, LthSceneBody *body) {
@@ -128,6 +130,19 @@ static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body
                    lth_show(r->arena, mesh));
 }
 
+static void check_dimension(LthReader *r, const LthNode *node, const LthSceneBody *body) {
+  LthNode *kind = lth_node_find(node, "kind");
+  if (r->scene->dimension == 3 || body->method_kind == LTH_METHOD_STAGGERED || !kind || kind->bad)
+    return;
+  if (kind->is_default)
+    lth_report_missing(r->report, node, "kind",
+                       "missing, and scenes of two dimensions have one method alone; expected "
+                       "staggered");
+  else
+    lth_report(r->report, kind, "it works in three dimensions alone, got %s; expected staggered",
+               lth_show(r->arena, kind));
+}
+
 void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   static const char *const kinds[] = {"dg", "cg", "staggered", NULL};
   static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
@@ -135,6 +150,7 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
   static const char *const fluxes[] = {"ip", "bz", NULL};
   const LthNode *grid = lth_node_get(node, "grid");
   body->method_kind = (LthMethodKind)lth_read_word(node, "kind", kinds);
+  check_dimension(r, node, body);
   check_resolution(r, node);
   body->mesh_kind =
       lth_method_has_file(node) ? LTH_MESH_FILE : (LthMeshKind)lth_read_word(node, "mesh", meshes);

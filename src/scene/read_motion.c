@@ -38,12 +38,14 @@ static double eval_key(const void *self, const double x[3], double t) {
 }
 
 /// "0.5, 0, 0.1, 0" or with blanks; commas were turned into blanks before.
-static LitheStatus parse_row(LthText *text, double row[4]) {
+static LitheStatus parse_row(LthText *text, int dim, double row[4]) {
   static const char *const names[] = {"t", "x", "y", "z"};
-  for (int i = 0; i < 4; i++) LITHE_TRY(lth_text_number(text, names[i], &row[i]));
+  row[3] = 0;
+  for (int i = 0; i <= dim; i++) LITHE_TRY(lth_text_number(text, names[i], &row[i]));
   LthWord more;
   if (lth_text_word(text, &more))
-    return lth_text_fail(text, "more than four columns; expected t, x, y, z");
+    return lth_text_fail(text, dim == 3 ? "more than four columns; expected t, x, y, z"
+                                        : "more than three columns; expected t, x, y");
   return LITHE_OK;
 }
 
@@ -72,7 +74,7 @@ static LitheStatus parse_table(LthReader *r, LthText *text, KeyTable *table) {
     is_first = false;
     LTH_RESERVE_OR(done, r->ctx, rows, cap, 4 * (LitheCount)(table->n + 1));
     double *row = rows + 4 * (size_t)table->n;
-    LITHE_TRY_OR(done, parse_row(text, row));
+    LITHE_TRY_OR(done, parse_row(text, r->scene->dimension, row));
     if (table->n > 0 && !(row[0] > row[-4])) {
       status = lth_text_fail(text, "time %g does not come after %g; expected rising times", row[0],
                              row[-4]);
@@ -81,7 +83,8 @@ static LitheStatus parse_table(LthReader *r, LthText *text, KeyTable *table) {
     table->n++;
   }
   if (table->n == 0) {
-    status = lth_text_fail(text, "no rows; expected lines of t, x, y, z");
+    status = lth_text_fail(text, "no rows; expected lines of t, x, y%s",
+                           r->scene->dimension == 3 ? ", z" : "");
     goto done;
   }
   table->rows = lth_arena_take(r->arena, 4 * (size_t)table->n * sizeof *rows);
@@ -145,7 +148,9 @@ LitheStatus lth_read_motion(LthReader *r, const LthNode *motion, LthCollider *co
   }
   lth_read_values(motion, "translate", collider->translation);
   const LthNode *rotate = lth_node_get(motion, "rotate");
-  if (rotate && lth_read_direction(r, rotate, "axis", collider->axis)) {
+  bool has_axis =
+      r->scene->dimension == 2 || (rotate && lth_read_direction(r, rotate, "axis", collider->axis));
+  if (rotate && has_axis) {
     collider->angle = lth_read_value(rotate, "angle");
     lth_read_vector(rotate, "pivot", collider->pivot);
   }

@@ -27,12 +27,13 @@ static LitheStatus read_box(LthReader *r, const LthNode *node, const LthPlacemen
   shape->kind = LTH_SHAPE_BOX;
   double min[3], max[3];
   if (!lth_read_vector(node, "min", min) || !lth_read_vector(node, "max", max)) return LITHE_OK;
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < r->scene->dimension; i++) {
     if (min[i] < max[i]) continue;
     lth_report(r->report, lth_node_find(node, "max"),
                "an empty box, got %g..%g along %c; expected max > min", min[i], max[i], "xyz"[i]);
     return LITHE_OK;
   }
+  if (r->scene->dimension == 2) return lth_read_plane_box(r, min, max, place, shape);
   if (place->rotates) {
     lth_v3_copy(min, shape->a), lth_v3_copy(max, shape->b);
     return turn_box(r, place, shape);
@@ -126,6 +127,12 @@ static LitheStatus read_kind(LthReader *r, LthShapeKind kind, const LthNode *nod
     return lth_read_implicit(r, node, place, shape);
   case LTH_SHAPE_IMAGE:
     return lth_read_image(r, node, place, shape);
+  case LTH_SHAPE_DISK:
+  case LTH_SHAPE_ANNULUS:
+    lth_read_disk(r, node, place, shape);
+    return LITHE_OK;
+  case LTH_SHAPE_POLYGON:
+    return lth_read_polygon(r, node, place, shape);
   default:
     return read_children(r, node, place, shape);
   }
@@ -133,12 +140,26 @@ static LitheStatus read_kind(LthReader *r, LthShapeKind kind, const LthNode *nod
 
 static LitheStatus read_tree(LthReader *r, const LthNode *node, const LthPlacement *place,
                              LthShape *shape) {
-  static const char *const keys[] = {"box",          "sphere",     "cylinder", "capsule",
-                                     "shell",        "mesh",       "implicit", "union",
-                                     "intersection", "difference", "image"};
-  for (int kind = 0; kind < 11; kind++) {
-    const LthNode *value = lth_node_get(node, keys[kind]);
-    if (value) return read_kind(r, (LthShapeKind)kind, value, place, shape);
+  static const struct {
+    const char *key;
+    LthShapeKind kind;
+  } kinds[] = {{"box", LTH_SHAPE_BOX},
+               {"sphere", LTH_SHAPE_SPHERE},
+               {"cylinder", LTH_SHAPE_CYLINDER},
+               {"capsule", LTH_SHAPE_CAPSULE},
+               {"shell", LTH_SHAPE_SHELL},
+               {"mesh", LTH_SHAPE_MESH},
+               {"implicit", LTH_SHAPE_IMPLICIT},
+               {"union", LTH_SHAPE_UNION},
+               {"intersection", LTH_SHAPE_INTERSECTION},
+               {"difference", LTH_SHAPE_DIFFERENCE},
+               {"image", LTH_SHAPE_IMAGE},
+               {"disk", LTH_SHAPE_DISK},
+               {"annulus", LTH_SHAPE_ANNULUS},
+               {"polygon", LTH_SHAPE_POLYGON}};
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    const LthNode *value = lth_node_get(node, kinds[k].key);
+    if (value) return read_kind(r, kinds[k].kind, value, place, shape);
   }
   *shape = (LthShape){.kind = LTH_SHAPE_SPHERE, .radius = 1}; // reported before
   return LITHE_OK;

@@ -73,7 +73,9 @@ bool lth_read_direction(LthReader *r, const LthNode *map, const char *key, doubl
   }
   lth_report(
       r->report, lth_node_find(map, key),
-      "a direction without length, got [0, 0, 0]; expected three numbers that are not all 0");
+      r->scene->dimension == 2
+          ? "a direction without length, got [0, 0]; expected two numbers that are not both 0"
+          : "a direction without length, got [0, 0, 0]; expected three numbers that are not all 0");
   return false;
 }
 
@@ -93,8 +95,15 @@ void lth_read_placement(LthReader *r, const LthNode *place, LthPlacement *placem
   lth_m3_identity(placement->rotation);
   lth_read_vector(place, "translate", placement->translation);
   const LthNode *rotate = lth_node_get(place, "rotate");
-  double axis[3], angle = lth_read_number(rotate, "angle", 0);
-  if (!rotate || !lth_read_direction(r, rotate, "axis", axis) || angle == 0) return;
+  if (!rotate) return;
+  bool is_plane = r->scene->dimension == 2, is_map = rotate->kind == LTH_NODE_MAP;
+  double axis[3] = {0, 0, 1};
+  double angle = lth_read_number(is_map ? rotate : place, is_map ? "angle" : "rotate", 0);
+  if (!is_map && !is_plane)
+    lth_report(r->report, rotate, "a rotation in space has an axis, got %s; expected {axis, angle}",
+               lth_show(r->arena, rotate));
+  if (is_map && !is_plane && !lth_read_direction(r, rotate, "axis", axis)) return;
+  if (angle == 0) return;
   placement->rotates = true;
   lth_m3_rotation(axis, angle, placement->rotation);
 }

@@ -22,6 +22,8 @@ typedef struct LthSceneOwned {
   LitheCount n_volumes, cap_volumes;
   LthImage **images;
   LitheCount n_images, cap_images;
+  LthLoops **loops;
+  LitheCount n_loops, cap_loops;
 } LthSceneOwned;
 
 typedef struct LthReader {
@@ -77,6 +79,16 @@ void lth_place_point(const LthPlacement *p, const double x[3], double placed[3])
 /// where implicit parts without a box are looked for; with `may_be_unbounded` they need none.
 LitheStatus lth_read_shape(LthReader *r, const LthNode *node, const LthPlacement *place,
                            const double *search, bool may_be_unbounded, LthShape *shape);
+
+/// Shapes of plane scenes (read_plane.c): `node` is the value of the key. A disk stands in for a bad one.
+void lth_read_disk(LthReader *r, const LthNode *node, const LthPlacement *place, LthShape *shape);
+LitheStatus lth_read_polygon(LthReader *r, const LthNode *node, const LthPlacement *place,
+                             LthShape *shape);
+/// A box there: a turned one goes on as a polygon.
+LitheStatus lth_read_plane_box(LthReader *r, const double min[3], const double max[3],
+                               const LthPlacement *place, LthShape *shape);
+/// What a plane scene's box is along z: endless.
+void lth_open_box(const LthReader *r, double min[3], double max[3]);
 
 /// The implicit shape, before its box is known. True if the map gives one.
 LitheStatus lth_read_implicit(LthReader *r, const LthNode *node, const LthPlacement *place,

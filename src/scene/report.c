@@ -132,7 +132,9 @@ const char *lth_show(LthArena *arena, const LthNode *node) {
   if (node->kind == LTH_NODE_MAP) return node->n_children ? "a mapping" : "an empty mapping";
   if (node->kind == LTH_NODE_LIST) {
     if (!node->n_children) return "an empty list";
-    const char *text = lth_arena_print(arena, "a list of %d", node->n_children);
+    LitheIndex n = node->n_children; // without what the schema has added behind
+    if (!node->is_default && node->last->is_default) n--;
+    const char *text = lth_arena_print(arena, "a list of %d", n);
     return text ? text : "";
   }
   if (lth_node_is_null(node)) return "nothing";

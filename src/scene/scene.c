@@ -203,6 +203,8 @@ static void free_owned(LitheCtx *ctx, LthSceneOwned *owned) {
   for (LitheCount i = 0; i < owned->n_soups; i++) lth_soup_destroy(ctx, &owned->soups[i]);
   for (LitheCount i = 0; i < owned->n_images; i++) lth_image_destroy(ctx, &owned->images[i]);
   for (LitheCount i = 0; i < owned->n_volumes; i++) lth_volume_destroy(ctx, &owned->volumes[i]);
+  for (LitheCount i = 0; i < owned->n_loops; i++) lth_loops_destroy(ctx, &owned->loops[i]);
+  lth_free(ctx, owned->loops);
   lth_free(ctx, owned->images);
   lth_free(ctx, owned->volumes);
   for (LitheCount i = 0; i < owned->n_wraps; i++) lth_wrap_destroy(ctx, &owned->wraps[i]);

@@ -18,7 +18,7 @@ static LitheStatus check(const LthSchema *s, LthNode *node, const LthNode *rule,
 
 LitheStatus lth_schema_create(LitheCtx *ctx, LthReport *report, LthExpressionList *expressions,
                               LthSchema *schema) {
-  *schema = (LthSchema){ctx, report, expressions, NULL};
+  *schema = (LthSchema){ctx, report, expressions, NULL, 3};
   schema->root = lth_yaml_parse(report, lth_scene_schema, lth_scene_schema_size, NULL);
   LITHE_ASSERT(schema->root || report->arena->failed);
   if (!schema->root) LITHE_FAIL(ctx, LITHE_NO_MEMORY, "out of memory while reading the schema");
@@ -52,6 +52,7 @@ static Inherited inherit(const LthSchema *s, const LthNode *rule, Inherited from
     from.may_use = (strchr(varies->text, 'x') ? LTH_USES_XYZ : 0) |
                    (strchr(varies->text, 't') ? LTH_USES_T : 0) |
                    (strchr(varies->text, 'v') ? LTH_USES_IMAGE : 0);
+  if (s->dimension == 2) from.may_use &= ~LTH_USES_Z;
   return from;
 }
 
@@ -156,12 +157,34 @@ static LitheStatus check_scalar(const LthSchema *s, LthNode *node, const LthNode
 
 /// --- lists ---
 
+static void set_place(LthNode *node, const LthNode *from) {
+  node->line = from->line, node->column = from->column;
+  node->key_line = from->line, node->key_column = from->column;
+  node->origin = from->origin;
+  node->is_default = true;
+  for (LthNode *child = node->first; child; child = child->next) set_place(child, from);
+}
+
+static LitheStatus copy_default(const LthSchema *s, const LthNode *from, const LthNode *place,
+                                LthNode **copy) {
+  *copy = lth_node_copy(s->report->arena, from);
+  if (!*copy) LITHE_FAIL(s->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
+  set_place(*copy, place);
+  return LITHE_OK;
+}
+
+static bool has_length(const LthSchema *s, const LthNode *node, const LthNode *rule) {
+  double n = node->n_children;
+  if (keyword(s, rule, "x-plane")) return n == s->dimension || (node->is_default && n == 3);
+  return n >= lth_schema_number(s, rule, "minItems", 0) &&
+         n <= lth_schema_number(s, rule, "maxItems", INFINITY);
+}
+
 static LitheStatus check_list(const LthSchema *s, LthNode *node, const LthNode *rule,
                               Inherited from) {
-  const LthNode *items = keyword(s, rule, "items");
+  const LthNode *items = keyword(s, rule, "items"), *plane = keyword(s, rule, "x-plane");
   double n = node->n_children, built = lth_schema_number(s, rule, "x-built-maximum", INFINITY);
-  if (n < lth_schema_number(s, rule, "minItems", 0) ||
-      n > lth_schema_number(s, rule, "maxItems", INFINITY)) {
+  if (!has_length(s, node, rule)) {
     lth_report(s->report, node, "wrong length, got %s; expected %s",
                lth_show(s->report->arena, node),
                n == 0 ? "at least one entry" : lth_schema_describe(s, rule));
@@ -171,6 +194,11 @@ static LitheStatus check_list(const LthSchema *s, LthNode *node, const LthNode *
     char available[32];
     snprintf(available, sizeof available, "%g", built);
     report_unbuilt(s, node, available);
+  }
+  if (plane && n == 2) {
+    LthNode *third = NULL;
+    LITHE_TRY(copy_default(s, plane, node, &third));
+    lth_node_append(node, NULL, third);
   }
   for (LthNode *item = node->first; item && items; item = item->next)
     LITHE_TRY(check(s, item, items, from));
@@ -200,34 +228,13 @@ static bool asks_for_nothing(const LthSchema *s, const LthNode *child, const Lth
   return is_empty && keyword(s, rule, "default");
 }
 
-static LitheStatus check_property(const LthSchema *s, LthNode *child, const LthNode *rule,
-                                  Inherited from) {
-  if (lth_node_is_text(keyword(s, rule, "x-built"), "false")) {
-    if (asks_for_nothing(s, child, rule)) return LITHE_OK;
-    lth_report_key(s->report, child,
-                   "known but not available in this version, got %s; leave it out",
-                   lth_show(s->report->arena, child));
-    return LITHE_OK;
-  }
-  return check(s, child, rule, from);
-}
-
-static void set_place(LthNode *node, const LthNode *from) {
-  node->line = from->line, node->column = from->column;
-  node->key_line = from->line, node->key_column = from->column;
-  node->origin = from->origin;
-  node->is_default = true;
-  for (LthNode *child = node->first; child; child = child->next) set_place(child, from);
-}
-
 /// Give a map the default of a key it lacks, or that it leaves empty.
 static LitheStatus add_default(const LthSchema *s, LthNode *map, const LthNode *property) {
   const LthNode *otherwise = keyword(s, property, "default");
   LthNode *given = lth_node_find(map, property->key);
   if (!otherwise || (given && !lth_node_is_null(given))) return LITHE_OK;
-  LthNode *copy = lth_node_copy(s->report->arena, otherwise);
-  if (!copy) LITHE_FAIL(s->ctx, LITHE_NO_MEMORY, "out of memory while reading the scene");
-  set_place(copy, map);
+  LthNode *copy = NULL;
+  LITHE_TRY(copy_default(s, otherwise, map, &copy));
   if (given)
     lth_node_replace(given, copy);
   else
@@ -239,7 +246,8 @@ static void check_required(const LthSchema *s, LthNode *map, const LthNode *rule
   const LthNode *required = keyword(s, rule, "required");
   const LthNode *properties = keyword(s, rule, "properties");
   for (const LthNode *r = required ? required->first : NULL; r; r = r->next)
-    if (!lth_node_find(map, r->text))
+    if (!lth_node_find(map, r->text) &&
+        lth_schema_has_dimension(s, lth_node_find(properties, r->text)))
       lth_report_missing(s->report, map, r->text, "missing; expected %s",
                          lth_schema_describe(s, lth_node_find(properties, r->text)));
 }
@@ -250,7 +258,8 @@ static const LthNode *choice_key(const LthNode *choice) {
 
 static bool is_built(const LthSchema *s, const LthNode *properties, const char *key) {
   const LthNode *property = lth_node_find(properties, key);
-  return property && !lth_node_is_text(keyword(s, property, "x-built"), "false");
+  return property && !lth_node_is_text(keyword(s, property, "x-built"), "false") &&
+         lth_schema_has_dimension(s, property);
 }
 
 static const char *choice_list(const LthSchema *s, const LthNode *choices,
@@ -299,6 +308,35 @@ static void check_exclusion(const LthSchema *s, LthNode *map, const LthNode *rul
                    b->key);
 }
 
+/// A key of the other dimension; `map` is the rule of the map that it stands in.
+static void report_dimension(const LthSchema *s, LthNode *child, const LthNode *map) {
+  const LthNode *choices = keyword(s, map, "oneOf");
+  bool is_choice = false;
+  for (const LthNode *c = choices ? choices->first : NULL; c; c = c->next)
+    is_choice = is_choice || strcmp(choice_key(c)->text, child->key) == 0;
+  lth_report_key(s->report, child, "it is of scenes in %s dimensions, got %s in %s; %s%s",
+                 s->dimension == 2 ? "three" : "two", child->key,
+                 s->dimension == 2 ? "`dimension: 2`" : "three (write `dimension: 2` for a plane)",
+                 is_choice ? "expected one of " : "leave it out",
+                 is_choice ? choice_list(s, choices, keyword(s, map, "properties")) : "");
+}
+
+static LitheStatus check_property(const LthSchema *s, LthNode *child, const LthNode *map,
+                                  const LthNode *rule, Inherited from) {
+  if (!lth_schema_has_dimension(s, rule)) {
+    report_dimension(s, child, map);
+    return LITHE_OK;
+  }
+  if (lth_node_is_text(keyword(s, rule, "x-built"), "false")) {
+    if (asks_for_nothing(s, child, rule)) return LITHE_OK;
+    lth_report_key(s->report, child,
+                   "known but not available in this version, got %s; leave it out",
+                   lth_show(s->report->arena, child));
+    return LITHE_OK;
+  }
+  return check(s, child, rule, from);
+}
+
 static LitheStatus check_map(const LthSchema *s, LthNode *map, const LthNode *rule,
                              Inherited from) {
   const LthNode *properties = keyword(s, rule, "properties");
@@ -314,7 +352,7 @@ static LitheStatus check_map(const LthSchema *s, LthNode *map, const LthNode *ru
   for (const LthNode *p = properties->first; p; p = p->next) LITHE_TRY(add_default(s, map, p));
   for (LthNode *child = map->first; child; child = child->next) {
     const LthNode *property = lth_node_find(properties, child->key);
-    if (property && !child->bad) LITHE_TRY(check_property(s, child, property, from));
+    if (property && !child->bad) LITHE_TRY(check_property(s, child, rule, property, from));
   }
   return LITHE_OK;
 }
@@ -410,6 +448,7 @@ static LitheStatus check(const LthSchema *s, LthNode *node, const LthNode *rule,
                                      : check_map(s, node, rule, from);
 }
 
-LitheStatus lth_schema_check(const LthSchema *schema, LthNode *document) {
+LitheStatus lth_schema_check(LthSchema *schema, LthNode *document) {
+  schema->dimension = lth_node_is_text(lth_node_find(document, "dimension"), "2") ? 2 : 3;
   return check(schema, document, schema->root, (Inherited){0});
 }

@@ -9,6 +9,9 @@
 ///   x-built         false: known, but refused in this version
 ///   x-unbuilt       the words of an enum that are refused in this version
 ///   x-built-maximum the largest number, or the longest list, that this version takes
+///   x-plane         a list with an entry a dimension: what stands third in a scene of dimension 2
+///   x-plane-title   its title there
+///   x-dimensions    2 or 3: a key of scenes of that dimension alone
 #pragma once
 
 #include "scene/quantity.h"
@@ -18,6 +21,7 @@ typedef struct LthSchema {
   LthReport *report;
   LthExpressionList *expressions;
   const LthNode *root;
+  int dimension; ///< of the document that is checked
 } LthSchema;
 
 /// Parse the schema that was built into the library. It lives in the report's arena.
@@ -25,8 +29,11 @@ LitheStatus lth_schema_create(LitheCtx *ctx, LthReport *report, LthExpressionLis
                               LthSchema *schema);
 
 /// Check a document: errors go into the report; missing keys that have a default get it, numbers get
-/// their values. A failure is memory only.
-LitheStatus lth_schema_check(const LthSchema *schema, LthNode *document);
+/// their values, and where `dimension` is 2 vectors get their third entry. A failure is memory only.
+LitheStatus lth_schema_check(LthSchema *schema, LthNode *document);
+
+/// Is this a key of scenes of the document's dimension?
+bool lth_schema_has_dimension(const LthSchema *schema, const LthNode *property);
 
 /// A keyword of a schema node, also through its $ref; NULL where it is not given.
 const LthNode *lth_schema_keyword(const LthSchema *schema, const LthNode *node, const char *name);

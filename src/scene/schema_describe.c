@@ -77,10 +77,16 @@ static const char *unit_text(const LthSchema *schema, const LthNode *node) {
   return text ? text : "";
 }
 
+bool lth_schema_has_dimension(const LthSchema *schema, const LthNode *property) {
+  return lth_schema_number(schema, property, "x-dimensions", schema->dimension) ==
+         schema->dimension;
+}
+
 static const char *describe_list(const LthSchema *schema, const LthNode *node) {
   const LthNode *items = lth_schema_keyword(schema, node, "items");
   double min = lth_schema_number(schema, node, "minItems", 0);
   double max = lth_schema_number(schema, node, "maxItems", INFINITY);
+  if (lth_schema_keyword(schema, node, "x-plane")) min = max = schema->dimension;
   const char *each = items ? lth_schema_describe(schema, items) : "anything";
   LthArena *arena = schema->report->arena;
   const char *text = NULL;
@@ -99,7 +105,8 @@ static const char *describe_map(const LthSchema *schema, const LthNode *node) {
   const char *text = "";
   for (const LthNode *p = properties ? properties->first : NULL; p; p = p->next) {
     const LthNode *built = lth_schema_keyword(schema, p, "x-built");
-    if (!lth_node_is_text(built, "false")) text = join(schema, text, ", ", p->key);
+    if (!lth_node_is_text(built, "false") && lth_schema_has_dimension(schema, p))
+      text = join(schema, text, ", ", p->key);
   }
   return join(schema, "a mapping with", " ", text);
 }
@@ -115,7 +122,9 @@ static const char *describe_any(const LthSchema *schema, const LthNode *choices)
 }
 
 const char *lth_schema_describe(const LthSchema *schema, const LthNode *node) {
-  const LthNode *title = lth_schema_keyword(schema, node, "title");
+  const LthNode *title =
+      schema->dimension == 2 ? lth_schema_keyword(schema, node, "x-plane-title") : NULL;
+  if (!title) title = lth_schema_keyword(schema, node, "title");
   if (title) return title->text;
   const LthNode *choices = lth_schema_keyword(schema, node, "anyOf");
   if (choices) return describe_any(schema, choices);

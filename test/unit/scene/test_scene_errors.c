@@ -68,8 +68,6 @@ static void needs_a_format_version_and_bodies(void **state) {
 static void refuses_what_is_not_built_yet(void **state) {
   (void)state;
 #define UNBUILT "known but not available in this version, got "
-  EXPECT_OVERRIDE_ERROR("dimension=2",
-                        "--set dimension=2: dimension: " UNBUILT "\"2\"; available: 3");
   EXPECT_OVERRIDE_ERROR("bodies.0.method.mesh=voxels",
                         "--set bodies.0.method.mesh=voxels: bodies.0.method.mesh: it is of `kind: "
                         "cg`, got \"voxels\"; expected slice, hexahedra or tetrahedra");
