@@ -5,7 +5,10 @@
 #include "la/krylov.h"
 #include "mesh/selection.h"
 
-#define LTH_DISC_MAX_FUNCS 35 ///< functions that are not zero somewhere in one cell
+#define LTH_DISC_MAX_FUNCS 48 ///< functions that are not zero somewhere in one cell
+
+/// What an unknown is. Absent ones carry no stiffness and no mass: they stay where they are.
+typedef enum LthHeld { LTH_NOT_HELD, LTH_HELD, LTH_ABSENT } LthHeld;
 
 /// A load on the boundary or in the volume.
 typedef enum LthLoadKind {

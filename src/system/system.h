@@ -4,9 +4,6 @@
 #include "disc/disc.h"
 #include "embed/contact.h"
 
-/// What an unknown is. Absent ones carry no stiffness and no mass: they stay where they are.
-typedef enum LthHeld { LTH_NOT_HELD, LTH_HELD, LTH_ABSENT } LthHeld;
-
 /// One body; everything is borrowed for life.
 typedef struct LthSystemBody {
   LthDisc *disc;

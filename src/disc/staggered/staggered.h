@@ -53,6 +53,11 @@ typedef struct LthStaggered {
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
+  double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
+  double *partial;      ///< scratch of sums                           (grid->n_blocks)
+  uint8_t *degree;      ///< (n_cells)
+  LitheIndex *row_func; ///< (n_rows + 1)
+
   uint8_t *held;    ///< per unknown: held by a constraint, or dead                  (n_dofs)
   LitheIndex *hold; ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
   void *nonlinear;  ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
@@ -70,3 +75,6 @@ void lth_staggered_place(const LthStaggered *s, LitheIndex func, int a, double x
 /// Unknowns that are held (n_dofs), and their places at time t, for LthSystemBody.
 const uint8_t *lth_staggered_held(const LthDisc *disc);
 LitheStatus lth_staggered_prescribe(const void *disc, double t, double *x);
+
+/// reaction (n_holds x 3) += forces of constraints on the body, from the imbalance of all forces (n_dofs) [N].
+void lth_staggered_add_reactions(const LthDisc *disc, const double *imbalance, double *reaction);

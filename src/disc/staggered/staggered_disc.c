@@ -1,0 +1,151 @@
+/// Building and freeing the staggered discretisation, and its table.
+#include "disc/staggered/staggered_priv.h"
+
+#define LEAST_FRACTION 1e-4
+
+static void destroy(LitheCtx *ctx, LthDisc *disc) {
+  LthStaggered *s = disc->self;
+  lth_free(ctx, s->level.compliance);
+  lth_staggered_level_free(ctx, &s->level);
+  void *blocks[] = {s->volume, s->func, s->slot,    s->cell,   s->cell_slot, s->held,
+                    s->hold,   s->f0,   s->partial, s->degree, s->row_func,  s};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+}
+
+/// Rotations do not exist in a linear body.
+static void update_rotations(LthDisc *disc, const double *x) {
+  (void)disc;
+  (void)x;
+}
+
+/// Constraints hold unknowns; none is weak.
+static void reactions(LthDisc *disc, double t, const double *x, double *reaction) {
+  (void)t;
+  (void)x;
+  memset(reaction, 0, sizeof *reaction * 3 * (size_t)disc->n_weak);
+}
+
+static const LthDiscTable table = {.name = "staggered",
+                                   .eval = lth_staggered_eval,
+                                   .eval_gradient = lth_staggered_eval_gradient,
+                                   .mean_gradient = lth_staggered_mean_gradient,
+                                   .find_cell = lth_staggered_find_cell,
+                                   .turn = lth_staggered_turn,
+                                   .rest = lth_staggered_rest,
+                                   .one = lth_staggered_one,
+                                   .project = lth_staggered_project,
+                                   .matrix_create = lth_staggered_matrix_create,
+                                   .update_rotations = update_rotations,
+                                   .assemble = lth_staggered_assemble,
+                                   .assemble_load = lth_staggered_assemble_load,
+                                   .energy = lth_staggered_energy,
+                                   .add_mass = lth_staggered_add_mass,
+                                   .apply_mass = lth_staggered_apply_mass,
+                                   .mass_diagonal = lth_staggered_mass_diagonal,
+                                   .add_load = lth_staggered_add_load,
+                                   .add_gravity = lth_staggered_add_gravity,
+                                   .reactions = reactions,
+                                   .stress = lth_staggered_stress,
+                                   .destroy = destroy};
+
+void lth_staggered_slot_place(const LthStaggered *s, LitheCount slot, int a, double x[3]) {
+  LitheIndex cell[3];
+  double offset[3] = {0.5, 0.5, 0.5};
+  offset[a] = a < s->dim ? 0 : 0.5;
+  lth_sparse_grid_cell(s->grid, slot, cell);
+  lth_sparse_grid_place(s->grid, cell, offset, x);
+}
+
+void lth_staggered_place(const LthStaggered *s, LitheIndex func, int a, double x[3]) {
+  lth_staggered_slot_place(s, s->slot[func], a, x);
+}
+
+/// Give numbers to slots with an unknown that is alive, and to live cells.
+static LitheStatus number(LitheCtx *ctx, LthStaggered *s) {
+  LitheCount n_funcs = 0, n_cells = 0;
+  for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
+    bool alive = false;
+    for (int a = 0; a < s->dim; a++) alive |= lth_staggered_slot_alive(s, a, slot);
+    bool live = lth_staggered_is_live(&s->level, slot);
+    s->func[slot] = alive ? (LitheIndex)n_funcs : -1;
+    s->cell[slot] = live ? (LitheIndex)n_cells : -1;
+    n_funcs += alive;
+    n_cells += live;
+  }
+  if (n_cells == 0)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "no cell of the grid is filled: the shape is thinner than the cells or lies "
+               "beside them; use smaller cells");
+  if (n_funcs > INT32_MAX / 3)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "%lld unknowns are too many for one body",
+               (long long)(3 * n_funcs));
+  LTH_NEW(ctx, s->slot, n_funcs);
+  LTH_NEW(ctx, s->cell_slot, n_cells);
+  for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
+    if (s->func[slot] >= 0) s->slot[s->func[slot]] = slot;
+    if (s->cell[slot] >= 0) s->cell_slot[s->cell[slot]] = slot;
+  }
+  s->disc.n_funcs = s->disc.n_rows = (LitheIndex)n_funcs;
+  s->disc.n_dofs = 3 * n_funcs;
+  s->disc.n_cells = (LitheIndex)n_cells;
+  return LITHE_OK;
+}
+
+static LitheStatus describe(LitheCtx *ctx, LthStaggered *s) {
+  LTH_NEW(ctx, s->row_func, (LitheCount)s->disc.n_rows + 1);
+  LTH_NEW(ctx, s->degree, s->disc.n_cells);
+  for (LitheIndex i = 0; i <= s->disc.n_rows; i++) s->row_func[i] = i;
+  memset(s->degree, 1, (size_t)s->disc.n_cells);
+  s->disc.row_func = s->row_func;
+  s->disc.cell_degree = s->degree;
+  return LITHE_OK;
+}
+
+static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
+  s->disc.table = &table;
+  s->disc.is_split = true;
+  s->disc.self = s;
+  s->ctx = ctx;
+  s->dim = def->fractions->grid->dim;
+  s->fractions = def->fractions;
+  s->shape = def->shape;
+  s->grid = def->fractions->grid;
+  s->material = def->material;
+  s->model = def->model;
+  s->formulation = def->formulation;
+  s->holds = def->holds;
+  s->n_holds = def->n_holds;
+}
+
+static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
+  copy_def(ctx, def, s);
+  LITHE_TRY(lth_staggered_level_alloc(ctx, s->grid, &s->level));
+  LTH_NEW(ctx, s->volume, s->grid->n_slots);
+  if (s->formulation == LTH_FORM_MIXED) {
+    LTH_NEW(ctx, s->level.compliance, s->grid->n_slots);
+    s->level.volume = s->volume;
+  }
+  LTH_NEW(ctx, s->func, s->grid->n_slots);
+  LTH_NEW(ctx, s->cell, s->grid->n_slots);
+  LTH_NEW(ctx, s->partial, s->grid->n_blocks);
+  LITHE_TRY(
+      lth_staggered_weigh(ctx, s, def->least_fraction > 0 ? def->least_fraction : LEAST_FRACTION));
+  lth_staggered_mark_held(s);
+  lth_staggered_rule_a(ctx, &s->level);
+  lth_staggered_drop_unread(s);
+  LITHE_TRY(number(ctx, s));
+  LITHE_TRY(describe(ctx, s));
+  return lth_staggered_build_holds(ctx, s);
+}
+
+LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {
+  LthStaggered *s = NULL;
+  *disc = NULL;
+  if (def->model != LTH_MATERIAL_LINEAR)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "staggered bodies take the linear material only");
+  LTH_NEW(ctx, s, 1);
+  *disc = &s->disc;
+  LitheStatus status = build(ctx, def, s);
+  if (status != LITHE_OK) lth_disc_destroy(ctx, disc);
+  return status;
+}

@@ -1,0 +1,98 @@
+/// What the staggered_*.c files of this folder share.
+#pragma once
+
+#include "base/tensor.h"
+#include "disc/staggered/staggered.h"
+#include "disc/staggered/staggered_halo.h"
+#include "disc/staggered/staggered_hierarchy.h"
+
+/// Most unknowns of a component that interpolation reads.
+#define LTH_STENCIL_MAX 16
+
+/// A component's value (and gradient) at a place as a sum over unknowns at slots.
+typedef struct LthStencil {
+  int n;
+  LitheCount slot[LTH_STENCIL_MAX];
+  double w[LTH_STENCIL_MAX];
+  double dw[LTH_STENCIL_MAX][3]; ///< [1/m]
+} LthStencil;
+
+static inline const LthStaggered *lth_staggered_const(const LthDisc *disc) { return disc->self; }
+
+/// A cell holds something.
+static inline bool lth_staggered_is_live(const LthStaggeredLevel *level, LitheCount slot) {
+  return slot >= 0 && level->mu[slot] > 0;
+}
+
+/// Least axis of shear samples: 0 in 3D, 2 in 2D.
+static inline int lth_staggered_first_edge(const LthStaggered *s) { return s->dim == 3 ? 0 : 2; }
+
+/// Place of the unknown of component a at a slot, at rest [m].
+void lth_staggered_slot_place(const LthStaggered *s, LitheCount slot, int a, double x[3]);
+
+static inline bool lth_staggered_slot_alive(const LthStaggered *s, int a, LitheCount slot) {
+  return slot >= 0 && s->level.state[a][slot] != LTH_UNKNOWN_DEAD;
+}
+
+// staggered_weights.c
+
+/// Fractions and materials to the weights of the level and the volume of cells, before rule A.
+LitheStatus lth_staggered_weigh(LitheCtx *ctx, LthStaggered *s, double least);
+
+// staggered_hold.c
+
+/// Mark unknowns that a constraint selects and a control volume with material touches, in the level's states.
+void lth_staggered_mark_held(LthStaggered *s);
+
+/// After rule A: held unknowns that no sample reads die.
+void lth_staggered_drop_unread(LthStaggered *s);
+
+/// Fill `held` and `hold` once functions have numbers.
+LitheStatus lth_staggered_build_holds(LitheCtx *ctx, LthStaggered *s);
+
+// staggered_assemble.c
+
+LitheStatus lth_staggered_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K);
+void lth_staggered_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0);
+void lth_staggered_assemble_load(LthDisc *disc, double t, double *f0);
+
+// staggered_mass.c
+
+void lth_staggered_add_mass(const LthDisc *disc, double c, LthBlockMatrix *K);
+void lth_staggered_apply_mass(const LthDisc *disc, const double *v, double *y);
+void lth_staggered_mass_diagonal(const LthDisc *disc, double *mass);
+void lth_staggered_add_gravity(const LthDisc *disc, const double gravity[3], double *f);
+
+// staggered_energy.c
+
+double lth_staggered_energy(LthDisc *disc, double t, const double *x);
+void lth_staggered_stress(const LthDisc *disc, LitheIndex cell, const double *x, const double at[3],
+                          double stress[6]);
+
+// staggered_place.c
+
+/// Component a at x, which may lie outside of the live cell at `slot`: linear fields are exact there too.
+void lth_staggered_stencil(const LthStaggered *s, LitheCount slot, int a, const double x[3],
+                           LthStencil *stencil);
+int lth_staggered_eval(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
+                       double *phi);
+int lth_staggered_eval_gradient(const LthDisc *disc, LitheIndex cell, const double x[3],
+                                LitheIndex *func, double *dphi);
+int lth_staggered_mean_gradient(const LthDisc *disc, LitheIndex cell, LitheIndex *func,
+                                double *dphi);
+
+// staggered_field.c
+
+LitheIndex lth_staggered_find_cell(const LthDisc *disc, const double x[3], bool *inside);
+void lth_staggered_turn(const LthDisc *disc, int axis, const double *x, double *y);
+void lth_staggered_rest(const LthDisc *disc, double *x0);
+void lth_staggered_one(const LthDisc *disc, double *one);
+LitheStatus lth_staggered_project(LitheCtx *ctx, const LthDisc *disc,
+                                  void (*field)(const void *self, const double x[3],
+                                                double value[3]),
+                                  const void *self, double *coef);
+
+// staggered_load.c
+
+LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load,
+                                   double t, const double *x, double *f);
