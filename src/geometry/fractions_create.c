@@ -42,6 +42,7 @@ LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
   };
   LthFractionFiller filler = {&sampler, lth_fraction_sample_side, lth_fraction_fill_samples};
   if (def->method == LTH_FRACTIONS_EXACT) sampler.samples = 16;
+  if (def->method == LTH_FRACTIONS_EXACT && dim == 2) filler = lth_fraction_plane_filler(probe);
   if (def->method == LTH_FRACTIONS_SMOOTH)
     filler = (LthFractionFiller){&smoother, lth_fraction_smooth_side, lth_fraction_fill_smooth};
   LITHE_TRY_OR(done, lth_fractions_build(ctx, &filler, dim, origin, h, n, fractions));

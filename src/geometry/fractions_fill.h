@@ -71,6 +71,9 @@ LthSide lth_fraction_smooth_side(const void *smoother, const double center[3],
 LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx,
                                      const LthFractionFrame *frame, const LthFractionRow *row);
 
+/// LTH_FRACTIONS_EXACT in 2D.
+LthFractionFiller lth_fraction_plane_filler(const LthProbe *probe);
+
 /// Value of a leaf box of `size` parts at `at` (counted in parts from the block's low corner).
 typedef double (*LthFractionLeaf)(const void *self, const LthFractionFrame *frame,
                                   const double low[3], const int at[3]);

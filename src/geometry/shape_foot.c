@@ -109,10 +109,15 @@ bool lth_shape_foot(const LthShape *shape, const double x[3], double scale, LthF
     box_foot(shape->a, shape->b, x, foot);
     return true;
   case LTH_SHAPE_SPHERE:
+  case LTH_SHAPE_DISK: // met at z = 0
     ball_foot(shape->a, shape->radius, 1, x, foot);
     return true;
   case LTH_SHAPE_SHELL:
+  case LTH_SHAPE_ANNULUS:
     return shell_foot(shape, x, foot);
+  case LTH_SHAPE_POLYGON:
+    foot->distance = lth_loops_distance(shape->loops, x, foot->point, foot->normal);
+    return true;
   case LTH_SHAPE_MESH:
     return shape->bvh ? mesh_foot(shape, x, foot) : root_foot(shape, x, scale, foot);
   case LTH_SHAPE_UNION:
