@@ -25,4 +25,5 @@ int cmd_check(const Args *args);
 int cmd_mesh(const Args *args);
 int cmd_convert(const Args *args);
 int cmd_study(const Args *args);
+int cmd_verify(const Args *args);
 int cmd_info(const Args *args);

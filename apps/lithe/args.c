@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, CONVERT = 16, STUDY = 32, ALL = 63 };
+enum { RUN = 1, CHECK = 2, MESH = 4, INFO = 8, CONVERT = 16, STUDY = 32, VERIFY = 64, ALL = 127 };
 
 static const struct {
   const char *name;
@@ -25,6 +25,8 @@ static const struct {
      "lithe study [NAME | GROUP | all] [-o DIR] [options]\n"
      "       lithe study SCENE --sweep KEY=VALUE,VALUE,... [-o DIR] [options]",
      "compute a paper's figure or table anew, or sweep a scene's values"},
+    {"verify", VERIFY, 1, "lithe verify SCENE [-o DIR] [options]",
+     "run a scene by all methods at refining resolutions, say whether they agree"},
     {"info", INFO, 0, "lithe info", "print version, build options, engines and licence"},
 };
 
@@ -33,19 +35,27 @@ static const struct {
   int commands;
   const char *purpose;
 } options[] = {
-    {"--out", "-o", "PATH", RUN | MESH | STUDY,
+    {"--out", "-o", "PATH", RUN | MESH | STUDY | VERIFY,
      "where to write (run: a folder, out/<scene name> if not given)"},
     {"--resume", NULL, "DIR", RUN, "go on with an interrupted run from its last checkpoint"},
     {"--sweep", NULL, "KEY=LIST", STUDY,
      "values to run a scene with: --sweep bodies.0.method.cells=8,16,32"},
     {"--quick", NULL, NULL, STUDY, "coarser and shorter, the same questions"},
-    {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH | STUDY,
+    {"--methods", NULL, "LIST", VERIFY,
+     "methods to compare: --methods dg,staggered (all if not given)"},
+    {"--cells", NULL, "LIST", VERIFY,
+     "resolutions along the longest side: --cells 8,16,32 (half, once and twice the scene's)"},
+    {"--tolerance", NULL, "SHARE", VERIFY,
+     "how far methods may be apart: --tolerance 1% (stresses three times as far)"},
+    {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH | STUDY | VERIFY,
      "override a value: --set bodies.0.method.degree=2"},
-    {"--threads", NULL, "N", RUN | CHECK | MESH | STUDY, "threads to use (all cores if not given)"},
+    {"--threads", NULL, "N", RUN | CHECK | MESH | STUDY | VERIFY,
+     "threads to use (all cores if not given)"},
     {"--step", NULL, "N", CONVERT, "translate the end of this step (the last if not given)"},
-    {"--json", NULL, NULL, RUN | CHECK | MESH | STUDY,
+    {"--json", NULL, NULL, RUN | CHECK | MESH | STUDY | VERIFY,
      "print the result as JSON on standard output"},
-    {"--quiet", "-q", NULL, RUN | CHECK | MESH | CONVERT | STUDY, "print nothing but errors"},
+    {"--quiet", "-q", NULL, RUN | CHECK | MESH | CONVERT | STUDY | VERIFY,
+     "print nothing but errors"},
     {"--help", "-h", NULL, ALL, "print this help"},
     {"--version", NULL, NULL, ALL, "print the version"},
 };
@@ -149,12 +159,32 @@ static bool add_sweep(const char *value, Args *args) {
   return true;
 }
 
+/// "0.01" or "1%".
+static bool set_tolerance(const char *value, Args *args) {
+  char *end;
+  double share = strtod(value, &end);
+  if (end > value && strcmp(end, "%") == 0) {
+    share /= 100;
+    end++;
+  }
+  if (end == value || *end || !(share > 0 && share < 1)) {
+    fprintf(stderr, "lithe: --tolerance: expected a share between 0 and 1, as in 1%%, got '%s'\n",
+            value);
+    return false;
+  }
+  args->tolerance = share;
+  return true;
+}
+
 static bool apply(int option, const char *value, Args *args) {
   const char *name = options[option].name;
   if (strcmp(name, "--set") == 0) return add_set(value, args);
   if (strcmp(name, "--sweep") == 0) return add_sweep(value, args);
   if (strcmp(name, "--threads") == 0) return set_threads(value, args);
   if (strcmp(name, "--step") == 0) return set_step(value, args);
+  if (strcmp(name, "--tolerance") == 0) return set_tolerance(value, args);
+  if (strcmp(name, "--methods") == 0) args->methods = value;
+  if (strcmp(name, "--cells") == 0) args->cells = value;
   if (strcmp(name, "--out") == 0) args->out = value;
   if (strcmp(name, "--resume") == 0) args->resume = value;
   if (strcmp(name, "--quick") == 0) args->quick = true;
@@ -234,8 +264,9 @@ static bool is_only_resume(const Args *args) {
 static bool is_complete(const Args *args) {
   if (args->help || args->version) return true;
   if (!args->command) {
-    fprintf(stderr, "lithe: a command is missing: run, check, mesh, convert, study or info; "
-                    "'lithe --help' says more\n");
+    fprintf(stderr,
+            "lithe: a command is missing: run, check, mesh, convert, study, verify or info; "
+            "'lithe --help' says more\n");
     return false;
   }
   if (args->resume) return is_only_resume(args);

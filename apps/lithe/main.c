@@ -8,11 +8,8 @@ int main(int argc, char **argv) {
   static const struct {
     const char *name;
     int (*run)(const Args *args);
-  } commands[] = {{"run", cmd_run},
-                  {"check", cmd_check},
-                  {"mesh", cmd_mesh},
-                  {"convert", cmd_convert},
-                  {"study", cmd_study},
+  } commands[] = {{"run", cmd_run},         {"check", cmd_check}, {"mesh", cmd_mesh},
+                  {"convert", cmd_convert}, {"study", cmd_study}, {"verify", cmd_verify},
                   {"info", cmd_info}};
   Args args;
   if (!args_parse(argc, argv, &args)) return 2;

@@ -7,3 +7,4 @@
 #include "lithe/run.h"
 #include "lithe/scene.h"
 #include "lithe/study.h"
+#include "lithe/verify.h"
