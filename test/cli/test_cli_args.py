@@ -2,7 +2,7 @@
 from cli import check, done, expect, run
 
 check("no_command_is_named", [], status=2,
-      err="lithe: a command is missing: run, check, mesh, convert, study or info; 'lithe --help' says more\n")
+      err="lithe: a command is missing: run, check, mesh, convert, study, verify or info; 'lithe --help' says more\n")
 check("unknown_command_gets_the_nearest", ["rum", "a.yaml"], status=2,
       err="lithe: unknown command 'rum'; did you mean 'run'?\n")
 check("unknown_option_gets_the_nearest", ["run", "a.yaml", "--theads", "2"], status=2,

@@ -63,6 +63,10 @@ void lth_staggered_apply_mass(const LthDisc *disc, const double *v, double *y);
 void lth_staggered_mass_diagonal(const LthDisc *disc, double *mass);
 void lth_staggered_add_gravity(const LthDisc *disc, const double gravity[3], double *f);
 
+// staggered_parts.c
+
+LitheIndex lth_staggered_parts(const LthDisc *disc, LitheIndex *part_of);
+
 // staggered_energy.c
 
 double lth_staggered_energy(LthDisc *disc, double t, const double *x);
