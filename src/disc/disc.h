@@ -32,8 +32,13 @@ void lth_places_destroy(LitheCtx *ctx, LthPlaces **places);
 
 typedef struct LthLoad {
   LthLoadKind kind;
-  const LthPatches *patches; ///< borrowed for life; NULL for body and point forces
-  const LthPlaces *places;   ///< borrowed for life; of point forces only
+  const LthPatches
+      *patches; ///< borrowed for life; NULL for body and point forces and staggered bodies
+  const LthPlaces *places; ///< borrowed for life; of point forces only
+  /// Staggered bodies have no patches: true for boundary at a point with an outward unit normal that is loaded;
+  /// thread-safe; NULL: all of it.
+  bool (*selects)(const void *self, const double point[3], const double normal[3]);
+  const void *select_self; ///< borrowed for life
   LthValue value[3];
   LthValue stress[9];
   bool follower;       ///< pressure that turns and stretches with the surface

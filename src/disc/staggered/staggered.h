@@ -18,6 +18,13 @@ typedef struct LthStaggeredHold {
   LthValue value[3]; ///< [m]
 } LthStaggeredHold;
 
+/// What the boundary unknowns of a load add up to.
+typedef struct LthBoundarySum {
+  double area;
+  double wanted[3], given[3]; ///< force that tractions are, and that unknowns got [N]
+  double weight[3]; ///< what a difference of the two is spread over: area seen by a component
+} LthBoundarySum;
+
 typedef enum LthFormulation { LTH_FORM_DISPLACEMENT, LTH_FORM_MIXED } LthFormulation;
 
 typedef struct LthStaggeredDef {
@@ -55,6 +62,7 @@ typedef struct LthStaggered {
   LitheIndex n_holds;
   double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
   double *partial;      ///< scratch of sums                           (grid->n_blocks)
+  LthBoundarySum *sums; ///< scratch of loads                          (grid->n_blocks)
   uint8_t *degree;      ///< (n_cells)
   LitheIndex *row_func; ///< (n_rows + 1)
 

@@ -104,23 +104,6 @@ static void store_rows(const Rows *rows, LitheIndex row, LthBlockMatrix *K) {
            sizeof rows->block[0]);
 }
 
-typedef void (*RowVisit)(const LthStaggered *s, LitheIndex row, const LitheCount *slot,
-                         const int stride[3], void *self);
-
-/// Every function with the slots around its own, on all threads.
-static void visit_rows(const LthStaggered *s, RowVisit visit, void *self) {
-  const LthSparseGrid *g = s->grid;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(s->ctx))
-  for (LitheIndex block = 0; block < g->n_blocks; block++) {
-    LthHalo halo;
-    lth_halo_fill(g, block, &halo);
-    for (LitheIndex local = 0; local < g->block_cells; local++) {
-      const LitheCount *slot = halo.slot + lth_halo_at(g, &halo, local);
-      if (s->func[*slot] >= 0) visit(s, s->func[*slot], slot, halo.stride, self);
-    }
-  }
-}
-
 typedef struct Pattern {
   LitheCount *row_off, *block_off;
   LitheIndex *col; // NULL: count only
@@ -146,13 +129,13 @@ LitheStatus lth_staggered_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthB
   if (!s->f0) LTH_NEW(ctx, s->f0, disc->n_dofs);
   LTH_NEW_OR(done, ctx, p.row_off, (LitheCount)disc->n_rows + 1);
   LTH_NEW_OR(done, ctx, p.block_off, (LitheCount)disc->n_rows + 1);
-  visit_rows(s, visit_pattern, &p);
+  lth_staggered_visit(s, visit_pattern, &p);
   for (LitheIndex i = 0; i < disc->n_rows; i++) {
     p.row_off[i + 1] = 3 * (LitheCount)(i + 1);
     p.block_off[i + 1] += p.block_off[i];
   }
   LTH_NEW_OR(done, ctx, p.col, p.block_off[disc->n_rows]);
-  visit_rows(s, visit_pattern, &p);
+  lth_staggered_visit(s, visit_pattern, &p);
   status = lth_block_matrix_create(ctx, disc->n_rows, p.row_off, p.block_off, p.col, K);
 done:
   lth_free(ctx, p.row_off);
@@ -187,7 +170,7 @@ static void visit_load(const LthStaggered *s, LitheIndex row, const LitheCount *
 void lth_staggered_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0) {
   LthStaggered *s = lth_staggered_of(disc);
   (void)t;
-  visit_rows(s, visit_matrix, K);
+  lth_staggered_visit(s, visit_matrix, K);
   lth_staggered_rest(disc, f0);
   lth_block_matrix_apply(K, lth_threads(s->ctx), f0,
                          s->f0); // the same sums as in K x: nothing is left at rest
@@ -200,5 +183,5 @@ void lth_staggered_assemble_load(LthDisc *disc, double t, double *f0) {
   if (s->f0)
     memcpy(f0, s->f0, sizeof *f0 * (size_t)disc->n_dofs);
   else
-    visit_rows(s, visit_load, f0);
+    lth_staggered_visit(s, visit_load, f0);
 }

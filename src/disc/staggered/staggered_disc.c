@@ -7,8 +7,8 @@ static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
   lth_free(ctx, s->level.compliance);
   lth_staggered_level_free(ctx, &s->level);
-  void *blocks[] = {s->volume, s->func, s->slot,    s->cell,   s->cell_slot, s->held,
-                    s->hold,   s->f0,   s->partial, s->degree, s->row_func,  s};
+  void *blocks[] = {s->volume, s->func,    s->slot, s->cell,   s->cell_slot, s->held, s->hold,
+                    s->f0,     s->partial, s->sums, s->degree, s->row_func,  s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
 }
 
@@ -129,6 +129,7 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LTH_NEW(ctx, s->func, s->grid->n_slots);
   LTH_NEW(ctx, s->cell, s->grid->n_slots);
   LTH_NEW(ctx, s->partial, s->grid->n_blocks);
+  LTH_NEW(ctx, s->sums, s->grid->n_blocks);
   LITHE_TRY(
       lth_staggered_weigh(ctx, s, def->least_fraction > 0 ? def->least_fraction : LEAST_FRACTION));
   lth_staggered_mark_held(s);

@@ -1,7 +1,7 @@
 /// Elastic energy, and stress at a place, of linear bodies.
 #include "disc/staggered/staggered_priv.h"
 
-/// Position less rest place of component a, which differs by `steps` cells along b from that of the slot given.
+/// Position of the unknown of component a at a slot.
 static double value_of(const LthStaggered *s, LitheCount slot, int a, const double *x) {
   return x[3 * (LitheCount)s->func[slot] + a];
 }
@@ -69,18 +69,6 @@ static void around(const LthSparseGrid *g, LitheCount slot, LitheCount near[27])
 
 static const int near_stride[3] = {1, 3, 9};
 
-/// Fraction of the box around the low edge along axis e of the cell at slot[0].
-static double edge_fraction(const LthStaggered *s, const LitheCount *slot, int e) {
-  int a = (e + 1) % 3, b = (e + 2) % 3, dim = s->dim;
-  double sum = 0;
-  for (int k = 0; k < 1 << dim; k++) { // part k of the box: the cell it lies in and its place there
-    int da = k >> a & 1, db = k >> b & 1;
-    LitheCount cell = slot[(da - 1) * near_stride[a] + (db - 1) * near_stride[b]];
-    if (cell >= 0) sum += lth_fractions_part(s->fractions, cell, k ^ (1 << a) ^ (1 << b));
-  }
-  return sum / (1 << dim);
-}
-
 /// Normal stresses of the live cell at slot[0] [Pa].
 static void normal_stress(const LthStaggered *s, const LitheCount *slot, const double *x,
                           double stress[3]) {
@@ -133,7 +121,7 @@ static double mix_shear(const LthStaggered *s, const LitheCount near[27], const 
     if (w == 0 || slot < 0 || !(s->level.shear[e][slot] > 0)) continue;
     LitheCount own[27];
     around(s->grid, slot, own);
-    double V = edge_fraction(s, own + 13, e);
+    double V = lth_staggered_edge_fraction(s, own + 13, near_stride, e);
     sum += w;
     stress += w * (s->level.shear[e][slot] / V) * shear_strain(s, own + 13, near_stride, a, b, x);
   }

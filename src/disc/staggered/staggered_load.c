@@ -1,37 +1,216 @@
-/// External forces: body forces at the unknowns.
+/// External forces: body forces at the unknowns, and boundary loads as the discrete divergence of a stress field near
+/// the boundary (docs/theory/staggered.md, "Tractions"). Dolny 2025, equation (4.20), derived anew there.
 #include "disc/staggered/staggered_priv.h"
 
-/// Fraction of the box around the low face across axis a of a slot's cell.
-static double face_fraction(const LthStaggered *s, LitheCount slot, int a) {
-  int down[3] = {0}, n = 1 << s->dim;
-  double sum = 0;
-  down[a] = -1;
-  LitheCount before = lth_sparse_grid_step(s->grid, slot, down);
-  for (int q = 0; q < n; q++) {
-    LitheCount cell = q >> a & 1 ? before : slot; // the half of each cell towards the face
-    if (cell >= 0) sum += lth_fractions_part(s->fractions, cell, q);
+#include "geometry/shape_foot.h"
+
+typedef struct Loading {
+  const LthLoad *load;
+  double t, factor;    ///< factor: 1, or 1 / area of a total force
+  const double *x;     ///< position, of followers
+  double *f;           ///< NULL: sums only
+  LthBoundarySum *sum; ///< per block, in the body's scratch
+  double spread[3];    ///< force per weight that is added instead of the load's, where `spreads`
+  bool spreads;
+} Loading;
+
+/// An unknown near the boundary.
+typedef struct Rim {
+  int a;
+  double slope[3]; ///< -grad_h V as its row sees it: inward of the boundary's normal [1/m]
+  double point[3], normal[3];
+} Rim;
+
+static void visit_body_force(const LthStaggered *s, LitheIndex func, const LitheCount *slot,
+                             const int stride[3], void *self) {
+  const Loading *l = self;
+  double volume = lth_sparse_grid_cell_volume(s->grid), at[3];
+  for (int a = 0; a < s->dim; a++) {
+    if (!lth_staggered_slot_alive(s, a, *slot)) continue;
+    lth_staggered_place(s, func, a, at);
+    l->f[3 * (LitheCount)func + a] += volume * lth_staggered_face_fraction(s, slot, stride, a) *
+                                      lth_value_at(&l->load->value[a], at, l->t);
   }
-  return sum / n;
 }
 
-static void add_body_force(const LthStaggered *s, const LthLoad *load, double t, double *f) {
-  double volume = lth_sparse_grid_cell_volume(s->grid);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(s->ctx))
-  for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
-    for (int a = 0; a < s->dim; a++) {
-      double at[3];
-      if (!lth_staggered_slot_alive(s, a, s->slot[i])) continue;
-      lth_staggered_place(s, i, a, at);
-      f[3 * (LitheCount)i + a] +=
-          volume * face_fraction(s, s->slot[i], a) * lth_value_at(&load->value[a], at, t);
+/// Everything within one cell is full.
+static bool is_inside(const LthStaggered *s, const LitheCount *slot, const int stride[3]) {
+  int deep = s->dim == 3;
+  for (int z = -deep; z <= deep; z++)
+    for (int y = -1; y <= 1; y++)
+      for (int x = -1; x <= 1; x++) {
+        LitheCount cell = slot[x * stride[0] + y * stride[1] + z * stride[2]];
+        if (cell < 0 || s->fractions->cell[cell] != LTH_CELL_FULL) return false;
+      }
+  return true;
+}
+
+static double sample_fraction(const LthStaggered *s, const LitheCount *slot, const int stride[3],
+                              int e) {
+  if (*slot < 0 || !(s->level.shear[e][*slot] > 0)) return 0;
+  return lth_staggered_edge_fraction(s, slot, stride, e);
+}
+
+/// Differences of the fractions of the samples that the row of component a reads. Samples without stiffness count
+/// as empty: loads act only where something resists them.
+static bool find_slope(const LthStaggered *s, const LitheCount *slot, const int stride[3], int a,
+                       double slope[3]) {
+  const double *h = s->grid->h;
+  LitheCount low = slot[-stride[a]];
+  for (int b = 0; b < 3; b++) slope[b] = 0;
+  slope[a] = ((low < 0 ? 0 : s->volume[low]) - s->volume[*slot]) / h[a];
+  for (int b = 0; b < s->dim; b++)
+    if (b != a)
+      slope[b] = (sample_fraction(s, slot, stride, 3 - a - b) -
+                  sample_fraction(s, slot + stride[b], stride, 3 - a - b)) /
+                 h[b];
+  return slope[0] != 0 || slope[1] != 0 || slope[2] != 0;
+}
+
+/// The nearest boundary, by the shape or else by the fractions.
+static void find_boundary(const LthStaggered *s, LitheIndex func, Rim *rim) {
+  const double *h = s->grid->h;
+  LthFoot foot;
+  double at[3];
+  lth_staggered_place(s, func, rim->a, at);
+  double scale = fmin(h[0], s->dim == 3 ? fmin(h[1], h[2]) : h[1]);
+  if (s->shape && lth_shape_foot(s->shape, at, scale, &foot)) {
+    if (s->dim == 2) foot.normal[2] = 0, foot.point[2] = 0;
+    if (lth_v3_normalize(foot.normal) > 0.5) {
+      lth_v3_copy(foot.point, rim->point);
+      lth_v3_copy(foot.normal, rim->normal);
+      return;
     }
+  }
+  lth_v3_copy(at, rim->point);
+  lth_v3_copy(rim->slope, rim->normal);
+  lth_v3_normalize(rim->normal);
+}
+
+/// cof F of the body where it is nearest to the unknown.
+static void cofactor_at(const LthStaggered *s, const LitheCount *slot, const int stride[3],
+                        const Rim *rim, const double *x, double C[9]) {
+  double F[9];
+  LitheIndex cell = s->cell[*slot];
+  if (cell < 0 && slot[-stride[rim->a]] >= 0) cell = s->cell[slot[-stride[rim->a]]];
+  lth_m3_identity(C);
+  if (cell < 0) return;
+  lth_disc_sample_gradient(&s->disc, cell, x, rim->point, F);
+  if (s->dim == 2) F[2] = F[5] = F[6] = F[7] = 0, F[8] = 1;
+  lth_m3_cofactor(F, C);
+}
+
+static void traction_at(const Loading *l, const Rim *rim, double traction[3]) {
+  const LthLoad *load = l->load;
+  for (int b = 0; b < 3; b++)
+    traction[b] = l->factor * lth_value_at(&load->value[b], rim->point, l->t);
+}
+
+/// Row a of a stress field P near the boundary with P N = traction.
+static void stress_row(const LthStaggered *s, const Loading *l, const LitheCount *slot,
+                       const int stride[3], const Rim *rim, double row[3]) {
+  const LthLoad *load = l->load;
+  int a = rim->a;
+  if (load->kind == LTH_LOAD_STRESS) {
+    for (int b = 0; b < 3; b++) row[b] = lth_value_at(&load->stress[3 * a + b], rim->point, l->t);
+  } else if (load->kind == LTH_LOAD_PRESSURE) {
+    double pressure = lth_value_at(&load->value[0], rim->point, l->t), C[9];
+    lth_m3_identity(C);
+    if (load->follower && l->x) cofactor_at(s, slot, stride, rim, l->x, C);
+    for (int b = 0; b < 3; b++) row[b] = -pressure * C[3 * a + b];
+  } else {
+    const double *n = rim->normal;
+    double t[3];
+    traction_at(l, rim, t);
+    for (int b = 0; b < 3; b++) row[b] = t[a] * n[b] + n[a] * t[b] - lth_v3_dot(t, n) * n[a] * n[b];
+  }
+}
+
+/// Force of the load on an unknown, counted in the sums.
+static double rim_force(const LthStaggered *s, const Loading *l, const LitheCount *slot,
+                        const int stride[3], const Rim *rim, LthBoundarySum *sum) {
+  int a = rim->a;
+  double volume = lth_sparse_grid_cell_volume(s->grid), row[3], t[3];
+  double seen = fmax(0, volume * lth_v3_dot(rim->normal, rim->slope));
+  double area = volume * rim->normal[a] * rim->slope[a];
+  if (l->spreads) return seen * l->spread[a];
+  stress_row(s, l, slot, stride, rim, row);
+  double force = volume * lth_v3_dot(row, rim->slope);
+  sum->area += area;
+  sum->given[a] += force;
+  sum->weight[a] += seen;
+  traction_at(l, rim, t);
+  lth_v3_axpy(area, t, sum->wanted);
+  return force;
+}
+
+static void visit_boundary(const LthStaggered *s, LitheIndex func, const LitheCount *slot,
+                           const int stride[3], void *self) {
+  const Loading *l = self;
+  if (is_inside(s, slot, stride)) return;
+  LthBoundarySum *sum = &l->sum[*slot / s->grid->block_cells];
+  for (int a = 0; a < s->dim; a++) {
+    Rim rim = {.a = a};
+    if (!lth_staggered_slot_alive(s, a, *slot)) continue;
+    if (!find_slope(s, slot, stride, a, rim.slope)) continue;
+    find_boundary(s, func, &rim);
+    if (l->load->selects && !l->load->selects(l->load->select_self, rim.point, rim.normal))
+      continue;
+    double force = rim_force(s, l, slot, stride, &rim, sum);
+    if (l->f) l->f[3 * (LitheCount)func + a] += force;
+  }
+}
+
+/// One pass over the boundary; sums of all blocks in their order.
+static LthBoundarySum pass(const LthStaggered *s, Loading *l) {
+  LthBoundarySum all = {0};
+  l->sum = s->sums;
+  memset(l->sum, 0, sizeof all * (size_t)s->grid->n_blocks);
+  lth_staggered_visit(s, visit_boundary, l);
+  for (LitheIndex b = 0; b < s->grid->n_blocks; b++) {
+    all.area += l->sum[b].area;
+    lth_v3_add(all.wanted, l->sum[b].wanted, all.wanted);
+    lth_v3_add(all.given, l->sum[b].given, all.given);
+    lth_v3_add(all.weight, l->sum[b].weight, all.weight);
+  }
+  return all;
+}
+
+/// Spread over the boundary what unknowns got less than the tractions are: samples at corners of the body have no
+/// stiffness, and theirs is missing.
+static void complete(const LthStaggered *s, Loading *l, const LthBoundarySum *sum) {
+  for (int a = 0; a < s->dim; a++)
+    l->spread[a] = sum->weight[a] > 0 ? (sum->wanted[a] - sum->given[a]) / sum->weight[a] : 0;
+  l->spreads = true;
+  pass(s, l);
+}
+
+static LitheStatus add_boundary(LitheCtx *ctx, const LthStaggered *s, Loading *l) {
+  const LthLoad *load = l->load;
+  double *f = l->f;
+  bool is_total = load->kind == LTH_LOAD_TOTAL_FORCE;
+  double area = load->area;
+  if (is_total && !(area > 0)) {
+    l->f = NULL;
+    area = pass(s, l).area;
+    l->f = f;
+  }
+  if (is_total) l->factor = area > 0 ? 1 / area : 0;
+  LthBoundarySum sum = pass(s, l);
+  if (!(sum.area > 0))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "the load acts on no boundary of the body; choose a `where` that selects some");
+  for (int a = 0; a < 3 && is_total; a++)
+    sum.wanted[a] = lth_value_at(&load->value[a], (const double[3]){0}, l->t);
+  if (is_total || load->kind == LTH_LOAD_TRACTION) complete(s, l, &sum);
+  return LITHE_OK;
 }
 
 LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load,
                                    double t, const double *x, double *f) {
-  (void)x;
-  if (load->kind != LTH_LOAD_BODY_FORCE)
-    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "staggered bodies take body forces only");
-  add_body_force(lth_staggered_const(disc), load, t, f);
+  const LthStaggered *s = lth_staggered_const(disc);
+  Loading l = {.load = load, .t = t, .factor = 1, .x = x, .f = f};
+  if (load->kind != LTH_LOAD_BODY_FORCE) return add_boundary(ctx, s, &l);
+  lth_staggered_visit(s, visit_body_force, &l);
   return LITHE_OK;
 }

@@ -34,6 +34,21 @@ static inline bool lth_staggered_slot_alive(const LthStaggered *s, int a, LitheC
   return slot >= 0 && s->level.state[a][slot] != LTH_UNKNOWN_DEAD;
 }
 
+// staggered_fraction.c
+
+/// Fractions of the boxes around the low face across axis a, and around the low edge along axis e, of the cell at
+/// slot[0]; the slots around it are at strides, as in a halo.
+double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot,
+                                   const int stride[3], int a);
+double lth_staggered_edge_fraction(const LthStaggered *s, const LitheCount *slot,
+                                   const int stride[3], int e);
+
+/// Call `visit` for every function with the slots around its own, on all threads.
+void lth_staggered_visit(const LthStaggered *s,
+                         void (*visit)(const LthStaggered *s, LitheIndex func,
+                                       const LitheCount *slot, const int stride[3], void *self),
+                         void *self);
+
 // staggered_weights.c
 
 /// Fractions and materials to the weights of the level and the volume of cells, before rule A.
