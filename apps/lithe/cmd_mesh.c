@@ -9,13 +9,22 @@ static void print_json(const LitheMeshReport *r) {
       "%d,\n"
       "  \"merged\": %d,\n  \"components\": %d,\n  \"volume\": %.17g,\n  \"surface_area\": %.17g,\n"
       "  \"min_volume\": %.17g,\n  \"max_volume\": %.17g,\n  \"max_gap\": %.3g,\n"
-      "  \"max_aspect\": %.6g,\n  \"seconds\": %.3g\n}\n",
+      "  \"max_aspect\": %.6g,\n  \"full_cells\": %d,\n  \"cut_cells\": %d,\n  \"seconds\": "
+      "%.3g\n}\n",
       r->elements, r->faces, r->inner_faces, r->boundary_faces, r->merged, r->components, r->volume,
-      r->surface_area, r->min_volume, r->max_volume, r->max_gap, r->max_aspect, r->seconds);
+      r->surface_area, r->min_volume, r->max_volume, r->max_gap, r->max_aspect, r->full_cells,
+      r->cut_cells, r->seconds);
 }
 
-static void print_text(const LitheScene *scene, const LitheMeshReport *r, const char *path) {
-  printf("%s: %d elements in %.3g s\n", lithe_scene_name(scene), r->elements, r->seconds);
+/// A staggered grid has no faces to speak of.
+static void print_cells(const LitheMeshReport *r) {
+  printf("  cells           %d full, %d cut\n", r->full_cells, r->cut_cells);
+  printf("  parts           %d\n", r->components);
+  printf("  volume          %.12g m^3, cells from %.3g to %.3g\n", r->volume, r->min_volume,
+         r->max_volume);
+}
+
+static void print_faces(const LitheMeshReport *r) {
   printf("  faces           %d inside, %d on the boundary\n", r->inner_faces, r->boundary_faces);
   printf("  parts           %d\n", r->components);
   printf("  volume          %.12g m^3, elements from %.3g to %.3g\n", r->volume, r->min_volume,
@@ -24,6 +33,12 @@ static void print_text(const LitheScene *scene, const LitheMeshReport *r, const 
   printf("  slivers merged  %d\n", r->merged);
   printf("  largest gap     %.2g of an element's area\n", r->max_gap);
   printf("  largest aspect  %.3g\n", r->max_aspect);
+}
+
+static void print_text(const LitheScene *scene, const LitheMeshReport *r, const char *path) {
+  printf("%s: %d elements in %.3g s\n", lithe_scene_name(scene), r->elements, r->seconds);
+  if (r->faces > 0) print_faces(r);
+  if (r->full_cells + r->cut_cells > 0) print_cells(r);
   if (path) printf("  written         %s\n", path);
 }
 

@@ -76,9 +76,11 @@ typedef struct LitheMeshReport {
   double max_gap;    ///< largest |sum of area times normal| of an element over its area
   double max_aspect; ///< largest ratio of an element's bounding box
   double seconds;    ///< to make it
+  LitheIndex full_cells, cut_cells; ///< of staggered grids
 } LitheMeshReport;
 
-/// Make the mesh of a scene's body, write it as .vtu (`path` NULL: not) and tell what it is like.
+/// Make the mesh of a scene's body, write it as .vtu (of staggered bodies the filled fractions of their grids as .vti;
+/// `path` NULL: not) and tell what it is like.
 LITHE_API LitheStatus lithe_mesh(LitheCtx *ctx, const LitheScene *scene, const char *path,
                                  LitheMeshReport *report);
 

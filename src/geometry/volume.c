@@ -50,6 +50,7 @@ LitheStatus lth_volume_create(LitheCtx *ctx, const LitheIndex n[3], const double
   LTH_NEW_OR(done, ctx, v, 1);
   for (int i = 0; i < 3; i++) v->n[i] = n[i];
   LITHE_TRY_OR(done, lth_volume_place(ctx, v, to_world));
+  memcpy(v->of_file, to_world, sizeof v->of_file);
   LTH_NEW_OR(done, ctx, v->values, lth_volume_size(v));
 done:
   if (status != LITHE_OK) lth_volume_destroy(ctx, &v);

@@ -11,6 +11,7 @@ typedef struct LthVolume {
   LitheIndex n[3];
   double to_world[12]; ///< row-major 3x4: place of voxel centre (i, j, k) [m]
   double to_voxel[12]; ///< the way back
+  double of_file[12];  ///< to_world as it was at first: that of its file
   float *values;       ///< (n[0] n[1] n[2])
 } LthVolume;
 

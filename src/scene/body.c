@@ -1,5 +1,7 @@
 /// Building a body from its scene: each arrow of the way from shape to simulation is one call here.
-#include "scene/body.h"
+#include "scene/staggered_body.h"
+
+#include <string.h>
 
 static LitheStatus build_operator(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
@@ -30,6 +32,10 @@ LthSystemBody lth_body_as_part(const LthBody *body) {
     part.held = lth_cg_strong_held(body->held_nodes);
     part.prescribe = lth_cg_strong_prescribe;
     part.prescribe_self = body->held_nodes;
+  } else if (body->staggered) {
+    part.held = lth_staggered_held(body->disc);
+    part.prescribe = lth_staggered_prescribe;
+    part.prescribe_self = body->disc;
   }
   return part;
 }
@@ -44,6 +50,55 @@ double *lth_body_velocity(const LthBody *body) {
   return lth_simulation_velocity(body->sim) + body->first;
 }
 
+double lth_body_cell_volume(const LthBody *body, LitheIndex cell) {
+  double center[3], volume, fraction;
+  if (!body->staggered) return body->mesh->cell_volume[cell];
+  lth_staggered_cell(body, cell, center, &volume, &fraction);
+  return volume;
+}
+
+void lth_body_cell_center(const LthBody *body, LitheIndex cell, double x[3]) {
+  double volume, fraction;
+  if (body->staggered)
+    lth_staggered_cell(body, cell, x, &volume, &fraction);
+  else
+    memcpy(x, body->mesh->cell_centroid + 3 * (LitheCount)cell, 3 * sizeof *x);
+}
+
+double lth_body_volume(const LthBody *body) {
+  double sum = 0;
+  if (body->staggered) return body->staggered->volume;
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) sum += body->mesh->cell_volume[c];
+  return sum;
+}
+
+LitheIndex lth_body_elements(const LthBody *body) {
+  LitheIndex n = 0;
+  if (!body->staggered) return body->disc->n_cells;
+  for (LitheIndex c = 0; c < body->disc->n_cells; c++) n += lth_body_cell_volume(body, c) > 0;
+  return n;
+}
+
+LitheCount lth_body_unknowns(const LthBody *body) {
+  LitheCount n = 0;
+  const uint8_t *held = body->staggered ? lth_staggered_held(body->disc) : NULL;
+  for (LitheCount k = 0; k < body->disc->n_dofs; k++) n += !held || held[k] != LTH_ABSENT;
+  return n;
+}
+
+LitheIndex lth_body_entry(const LthBody *body, LitheIndex cell) {
+  double x[3];
+  if (!body->staggered) return body->label[cell];
+  lth_body_cell_center(body, cell, x);
+  return lth_field_entry(body, x);
+}
+
+double lth_body_yield(const LthBody *body, LitheIndex cell) {
+  if (!body->staggered) return body->yield[cell];
+  LitheIndex entry = lth_body_entry(body, cell);
+  return entry < 0 ? 0 : body->def->materials[entry].material.yield_strength;
+}
+
 static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
   uint8_t *degree = NULL;
   LTH_NEW(ctx, degree, body->mesh->n_cells);
@@ -54,6 +109,7 @@ static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
 }
 
 LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
+  if (body->staggered) return lth_build_staggered(ctx, body);
   if (body->def->method_kind == LTH_METHOD_CG) {
     LITHE_TRY(lth_build_material(ctx, body));
     LITHE_TRY(lth_build_nodes(ctx, body));
@@ -74,11 +130,6 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
 
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
                                  LthBody **body) {
-  if (def->method_kind == LTH_METHOD_STAGGERED)
-    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-               "%s.method.kind: known but not available in this version, got \"staggered\"; "
-               "available: dg or cg",
-               def->place);
   LTH_NEW(ctx, *body, 1);
   (*body)->scene = scene;
   (*body)->def = def;
@@ -138,6 +189,7 @@ void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   lth_free(ctx, b->density);
   lth_free(ctx, b->yield);
   lth_dg_space_destroy(ctx, &b->space);
+  lth_staggered_body_destroy(ctx, &b->staggered);
   lth_mesh_destroy(ctx, &b->mesh);
   if (b->elements != b->def->elements) lth_element_mesh_destroy(ctx, &b->elements);
   lth_free(ctx, b->cell_element);

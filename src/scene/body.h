@@ -7,7 +7,10 @@
 #include "scene/scene.h"
 #include "step/simulation.h"
 
-/// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`.
+typedef struct LthStaggeredBody LthStaggeredBody; // staggered_body.h
+
+/// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`. A staggered body has
+/// fractions in the place of a mesh, and neither mesh nor surface nor constants per cell.
 typedef struct LthBody {
   const LthScene *scene;
   const LthSceneBody *def;
@@ -17,9 +20,11 @@ typedef struct LthBody {
   LthMesh *mesh;
   LthElementMesh
       *elements; ///< nodes and elements behind the mesh: of a file (then the scene's), or of cg
-  LitheIndex *cell_element; ///< element of each cell where they are not the same, or NULL
-  double box[6];            ///< of the mesh: min, max [m]
-  double size;              ///< longest side of it [m]
+  LitheIndex *cell_element;    ///< element of each cell where they are not the same, or NULL
+  double box[6];               ///< of the mesh: min, max [m]
+  double size;                 ///< longest side of it [m]
+  double cell_size;            ///< typical edge of a cell [m]
+  LthStaggeredBody *staggered; ///< NULL: of another method (build_staggered.c)
 
   // space and material (build_material.c)
   LthDgSpace *space;
@@ -94,6 +99,23 @@ const LthEmbedding *lth_body_touch_points(const LthBody *body);
 
 /// Largest lambda + 2 mu [Pa].
 double lth_body_modulus(const LthBody *body);
+
+/// Cells of the discretisation, its material's volume in one of them [m^3] and the middle of that [m].
+double lth_body_cell_volume(const LthBody *body, LitheIndex cell);
+void lth_body_cell_center(const LthBody *body, LitheIndex cell, double x[3]);
+double lth_body_volume(const LthBody *body);       ///< at rest [m^3]
+LitheIndex lth_body_elements(const LthBody *body); ///< cells with material
+LitheCount
+lth_body_unknowns(const LthBody *body); ///< without those of staggered grids that are missing
+
+/// Entry of the material list that a cell has, and its yield strength [Pa], 0 where none is given.
+LitheIndex lth_body_entry(const LthBody *body, LitheIndex cell);
+double lth_body_yield(const LthBody *body, LitheIndex cell);
+
+/// What is the same in all materials of a body; and constants in range at a place.
+LitheStatus lth_check_materials(LitheCtx *ctx, const LthSceneBody *def);
+LitheStatus lth_check_constants(LitheCtx *ctx, const LthBody *body, const double at[3],
+                                double young, double poisson, double density);
 
 /// The steps of lth_body_create(), in order.
 LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body);

@@ -45,16 +45,17 @@ static LitheStatus choose_entries(LitheCtx *ctx, LthBody *body) {
   return LITHE_OK;
 }
 
-static LitheStatus check_constants(LitheCtx *ctx, const LthBody *body, LitheIndex cell) {
-  const double *at = body->mesh->cell_centroid + 3 * (LitheCount)cell;
+LitheStatus lth_check_constants(LitheCtx *ctx, const LthBody *body, const double at[3],
+                                double young, double poisson, double density) {
+  bool is_closed = body->staggered; // which then is the mixed formulation's, or refused
   const char *key = NULL, *rule = NULL;
   double got = 0;
-  if (!(body->young[cell] > 0 && isfinite(body->young[cell])))
-    key = "young_modulus", rule = "> 0 Pa", got = body->young[cell];
-  else if (!(body->poisson[cell] > -1 && body->poisson[cell] < 0.5))
-    key = "poisson_ratio", rule = "between -1 and 0.5", got = body->poisson[cell];
-  else if (!(body->density[cell] > 0 && isfinite(body->density[cell])))
-    key = "density", rule = "> 0 kg/m^3", got = body->density[cell];
+  if (!(young > 0 && isfinite(young)))
+    key = "young_modulus", rule = "> 0 Pa", got = young;
+  else if (!(poisson > -1 && (poisson < 0.5 || (is_closed && poisson == 0.5))))
+    key = "poisson_ratio", rule = "between -1 and 0.5", got = poisson;
+  else if (!(density > 0 && isfinite(density)))
+    key = "density", rule = "> 0 kg/m^3", got = density;
   if (!key) return LITHE_OK;
   LITHE_TRY(lth_scene_check_values(ctx, body->scene));
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
@@ -82,11 +83,12 @@ static LitheStatus set_cell(LitheCtx *ctx, LthBody *body, LitheIndex cell) {
   body->yield[cell] = m->yield_strength;
   lth_free(ctx, rule.points);
   lth_free(ctx, rule.weights);
-  return check_constants(ctx, body, cell);
+  return lth_check_constants(ctx, body, centroid, body->young[cell], body->poisson[cell],
+                             body->density[cell]);
 }
 
 /// Model and damping belong to the body as a whole.
-static LitheStatus check_uniform(LitheCtx *ctx, const LthSceneBody *def) {
+LitheStatus lth_check_materials(LitheCtx *ctx, const LthSceneBody *def) {
   const LthMaterial *first = &def->materials[0].material;
   for (LitheIndex i = 1; i < def->n_materials; i++) {
     const LthMaterial *m = &def->materials[i].material;
@@ -98,7 +100,7 @@ static LitheStatus check_uniform(LitheCtx *ctx, const LthSceneBody *def) {
         "%s.material.%d: all entries of a body need the same `model` and `damping` in this version",
         def->place, i);
   }
-  if (first->model == LTH_MATERIAL_NEO_HOOKEAN)
+  if (first->model == LTH_MATERIAL_NEO_HOOKEAN && def->method_kind != LTH_METHOD_STAGGERED)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
                "%s.material.model: neo-hookean is not built yet; use corotated or linear",
                def->place);
@@ -108,7 +110,7 @@ static LitheStatus check_uniform(LitheCtx *ctx, const LthSceneBody *def) {
 LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body) {
   LitheIndex n = body->mesh->n_cells;
   const LthMaterial *first = &body->def->materials[0].material;
-  LITHE_TRY(check_uniform(ctx, body->def));
+  LITHE_TRY(lth_check_materials(ctx, body->def));
   LTH_NEW(ctx, body->label, n);
   LTH_NEW(ctx, body->young, n);
   LTH_NEW(ctx, body->poisson, n);

@@ -1,5 +1,5 @@
 /// Shape and resolution -> grid -> polyhedral mesh.
-#include "scene/body.h"
+#include "scene/staggered_body.h"
 
 #include "base/tensor.h"
 
@@ -97,6 +97,7 @@ static LitheStatus build_boxes(LitheCtx *ctx, LthBody *body, const LthGrid *grid
 static void measure_box(LthBody *body) {
   lth_mesh_bounds(body->mesh, body->box, body->box + 3);
   for (int a = 0; a < 3; a++) body->size = fmax(body->size, body->box[3 + a] - body->box[a]);
+  body->cell_size = body->mesh->cell_size;
 }
 
 /// The elements of a file, which the scene owns, as polyhedra.
@@ -114,12 +115,14 @@ LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
   double min[3], max[3];
   LthGrid grid;
   lth_progress(ctx, "meshing", -1);
+  bool is_flat = body->scene->dimension == 2;
   if (body->def->mesh_kind == LTH_MESH_FILE) return build_file(ctx, body);
   lth_shape_bounds(&body->def->shape, min, max);
-  if (!(min[0] < max[0] && min[1] < max[1] && min[2] < max[2]))
+  if (!(min[0] < max[0] && min[1] < max[1] && (is_flat || min[2] < max[2])))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s.shape: it is empty: its parts have no space in common; move or enlarge them",
                body->def->place);
+  if (body->def->method_kind == LTH_METHOD_STAGGERED) return lth_build_fractions(ctx, body);
   LITHE_TRY(lth_build_grid(ctx, body->def, min, max, &grid));
   switch (body->def->mesh_kind) {
   case LTH_MESH_SLICE:

@@ -1,14 +1,19 @@
 /// `lithe check`: what a run would need, from its mesh and the symbolic analysis of its matrix.
 #include "la/engine.h"
+#include "scene/report_grid.h"
 #include "scene/scene_public.h"
 #include "scene/schedule.h"
 #include "scene/world.h"
 #include "step/simulation.h"
 
+#include <math.h>
+
 // Rates of a core of 2020, to guess by: a forecast is good to a factor of three.
-#define FACTOR_FLOPS 8e9   // sparse Cholesky [1/s]
-#define SOLVE_BYTES 6e9    // triangular solves and products read the matrix [byte/s]
-#define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
+#define FACTOR_FLOPS 8e9    // sparse Cholesky [1/s]
+#define SOLVE_BYTES 6e9     // triangular solves and products read the matrix [byte/s]
+#define GRID_SECONDS 1.5e-6 // a matrix-free solve by multigrid, an unknown
+#define GRID_BYTES 130.0    // it holds, an unknown
+#define POINT_SECONDS 2e-7  // integration and output, per boundary corner and output time
 
 /// Pattern of the system matrix, which the mesh and the degrees alone decide.
 static LitheStatus make_pattern(LitheCtx *ctx, const LthBody *body, LthBlockMatrix **A) {
@@ -33,7 +38,8 @@ done:
 /// Cholesky factors of all bodies, or what takes their place.
 typedef struct Factor {
   double bytes, flops;
-  bool is_beaten; ///< by multigrid: as asked, or as `auto` will choose
+  bool is_beaten;       ///< by multigrid: as asked, or as `auto` will choose
+  double grid_unknowns; ///< solved without a matrix
 } Factor;
 
 /// Add a factor's bytes and flops by its symbolic analysis, which is left out where no factor is made.
@@ -66,11 +72,42 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
   // what touches changes its points within a step, and is not in any factor or coarse level
   if (scene->n_colliders > 0 || scene->n_bodies > 1) one_solve += 300 * matrix / SOLVE_BYTES;
   // a corotated equilibrium takes some ten solves
-  if (scene->time_kind != LTH_TIME_DYNAMIC) one_solve *= 10;
+  if (scene->time_kind != LTH_TIME_DYNAMIC && factor->grid_unknowns == 0) one_solve *= 10;
+  one_solve += factor->grid_unknowns * GRID_SECONDS;
   f->linear = is_pcg ? "pcg" : is_multigrid ? "multigrid" : "cholesky";
-  f->memory = 3 * matrix + (is_pcg ? 0 : is_multigrid ? matrix : 2 * bytes) + 1000 * corners + 5e7;
+  f->memory = 3 * matrix +
+              (is_pcg         ? 0
+               : is_multigrid ? matrix
+                              : 2 * bytes) +
+              (factor->grid_unknowns > 0 ? 40 : 1000) * corners +
+              GRID_BYTES * factor->grid_unknowns + 5e7;
   f->seconds = (double)f->steps * (one_solve + matrix / SOLVE_BYTES * 4) +
                corners * POINT_SECONDS * (20 + f->frames);
+}
+
+/// A staggered body: matrix-free where it is linear and alone, else with a matrix of blocks.
+static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor, LitheForecast *f) {
+  const LthStaggeredBody *s = body->staggered;
+  LthGridCount count = lth_count_grid(body);
+  bool is_linear = body->def->materials[0].material.model == LTH_MATERIAL_LINEAR;
+  bool is_free = is_linear && scene->n_bodies == 1 && !scene->export_path && !scene->condition &&
+                 (scene->linear == LTH_LINEAR_AUTO || scene->linear == LTH_LINEAR_MULTIGRID);
+  LitheCount row = s->fractions->grid->dim == 3 ? 15 : 9;
+  f->elements += count.cells;
+  f->unknowns += count.unknowns;
+  f->volume += s->volume;
+  if (is_free) {
+    factor->is_beaten = true;
+    factor->grid_unknowns += (double)count.unknowns;
+    return;
+  }
+  f->nonzeros += row * count.unknowns;
+  double n = (double)count.unknowns, dim = s->fractions->grid->dim;
+  bool is_large = n > (dim == 3 ? 1e5 : 5e5);
+  factor->is_beaten |= scene->linear == LTH_LINEAR_MULTIGRID || is_large;
+  // nested dissection of a grid: fill n log n and n^(4/3), operations n^(3/2) and n^2
+  factor->bytes += dim == 3 ? 8 * 8 * pow(n, 4. / 3) : 8 * 8 * n * log2(n + 2);
+  factor->flops += dim == 3 ? 20 * n * n : 40 * pow(n, 1.5);
 }
 
 /// Add what one body needs: sizes to the forecast, and the cost of a factor of its matrix.
@@ -79,6 +116,10 @@ static LitheStatus add_body(LitheCtx *ctx, const LthScene *scene, const LthBody 
   LitheStatus status = LITHE_OK;
   const LthMesh *mesh = body->mesh;
   LthBlockMatrix *A = NULL;
+  if (body->staggered) {
+    add_grid(scene, body, factor, f);
+    return LITHE_OK;
+  }
   LITHE_TRY_OR(done, make_pattern(ctx, body, &A));
   LITHE_TRY_OR(done, add_factor(ctx, scene, A, factor));
   f->elements += mesh->n_cells;
@@ -101,7 +142,8 @@ static LitheStatus forecast_world(LitheCtx *ctx, const LthWorld *world, LitheFor
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     const LthMesh *mesh = world->bodies[b]->mesh;
     LITHE_TRY(add_body(ctx, world->scene, world->bodies[b], &factor, f));
-    corners += mesh->loop_off[mesh->face_loop_off[mesh->n_faces]];
+    corners += mesh ? mesh->loop_off[mesh->face_loop_off[mesh->n_faces]]
+                    : 8.0 * lth_count_grid(world->bodies[b]).cells;
   }
   predict_cost(world->scene, corners, &factor, f);
   return LITHE_OK;

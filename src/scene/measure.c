@@ -1,5 +1,5 @@
 /// Figures of the bodies' present state for the result: displacement, stress, volume.
-#include "scene/measure.h"
+#include "scene/measure_staggered.h"
 
 #include "base/tensor.h"
 
@@ -30,6 +30,10 @@ static double largest_at_corners(const LthBody *body, LitheIndex cell, const dou
 /// max and the integral of the length into `mean`; the volume is returned in `volume`.
 static LitheStatus add_displacement(LitheCtx *ctx, const LthBody *body,
                                     LthDisplacementFigures *figures, double *volume) {
+  if (body->staggered) {
+    *volume += lth_body_volume(body);
+    return lth_measure_grid_displacement(ctx, body, &figures->max, &figures->mean);
+  }
   const double *u = lth_body_displacement(body);
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
     LitheIndex n;
@@ -108,6 +112,37 @@ static LitheStatus sample_cell(LitheCtx *ctx, const LthBody *body, LitheIndex nu
   return LITHE_OK;
 }
 
+/// One sample a cell.
+static LitheStatus sample_grid(LitheCtx *ctx, const LthBody *body, LitheIndex number,
+                               Samples *samples) {
+  double *von_mises = NULL;
+  LITHE_TRY(lth_measure_grid_stress(ctx, body, &von_mises));
+  LitheStatus status = LITHE_OK;
+  for (LitheIndex c = 0; c < body->disc->n_cells && status == LITHE_OK; c++) {
+    if (!isfinite(von_mises[c])) continue;
+    status = lth_reserve_(ctx, (void **)&samples->items, &samples->cap, samples->n + 1,
+                          sizeof *samples->items);
+    if (status != LITHE_OK) break;
+    Sample *s = samples->items + samples->n++;
+    *s = (Sample){.von_mises = von_mises[c],
+                  .volume = lth_body_cell_volume(body, c),
+                  .yield = lth_body_yield(body, c),
+                  .body = number,
+                  .cell = c};
+    lth_body_cell_center(body, c, s->at);
+  }
+  lth_free(ctx, von_mises);
+  return status;
+}
+
+static LitheStatus sample_body(LitheCtx *ctx, const LthBody *body, LitheIndex number,
+                               Samples *samples) {
+  if (body->staggered) return sample_grid(ctx, body, number, samples);
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++)
+    LITHE_TRY(sample_cell(ctx, body, number, c, samples));
+  return LITHE_OK;
+}
+
 /// By stress, then by body, cell and place, so that equal values come in one order.
 static int compare_samples(const void *left, const void *right) {
   const Sample *a = left, *b = right;
@@ -143,9 +178,7 @@ LitheStatus lth_measure_stress(LitheCtx *ctx, LitheIndex n, LthBody *const *bodi
   LitheStatus status = LITHE_OK;
   Samples samples = {0};
   *figures = (LthStressFigures){.safety = HUGE_VAL};
-  for (LitheIndex b = 0; b < n; b++)
-    for (LitheIndex c = 0; c < bodies[b]->mesh->n_cells; c++)
-      LITHE_TRY_OR(done, sample_cell(ctx, bodies[b], b, c, &samples));
+  for (LitheIndex b = 0; b < n; b++) LITHE_TRY_OR(done, sample_body(ctx, bodies[b], b, &samples));
   read_figures(&samples, figures);
 
 done:
@@ -158,11 +191,11 @@ double lth_measure_volume(LitheIndex n, LthBody *const *bodies) {
   for (LitheIndex b = 0; b < n; b++) {
     const LthBody *body = bodies[b];
     const double *u = lth_body_displacement(body);
-    for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+    for (LitheIndex c = 0; c < body->disc->n_cells; c++) {
       double F[9];
       lth_disc_mean_gradient(body->disc, c, u, F);
       for (int a = 0; a < 3; a++) F[4 * a] += 1;
-      volume += body->mesh->cell_volume[c] * lth_m3_det(F);
+      volume += lth_body_cell_volume(body, c) * lth_m3_det(F);
     }
   }
   return volume;

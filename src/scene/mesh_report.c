@@ -1,6 +1,7 @@
 /// `lithe mesh`: the mesh of a scene without a simulation, as a file and in figures.
 #include "io/file.h"
 #include "io/vtu.h"
+#include "scene/report_grid.h"
 #include "scene/scene_public.h"
 #include "scene/world.h"
 
@@ -55,16 +56,35 @@ static void add_quality(const LthMeshQuality *q, LitheMeshReport *r) {
   r->max_aspect = fmax(r->max_aspect, q->max_aspect);
 }
 
+static LitheStatus write_one(LitheCtx *ctx, const LthBody *body, const char *path) {
+  const char *end = strrchr(path, '.'), *wanted = body->staggered ? ".vti" : ".vtu";
+  if (!end || strcmp(end, wanted) != 0)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: %s; expected a name with %s", path,
+               body->staggered ? "fractions of a grid are written as VTI"
+                               : "a mesh is written as VTU",
+               wanted);
+  return body->staggered ? lth_write_fractions(ctx, body, path) : write_mesh(ctx, body->mesh, path);
+}
+
 /// "mesh.vtu", or "mesh_NAME.vtu" where there are several bodies.
 static LitheStatus write_body(LitheCtx *ctx, const LthBody *body, const char *path) {
   char *named = NULL;
-  if (body->scene->n_bodies == 1) return write_mesh(ctx, body->mesh, path);
+  if (body->scene->n_bodies == 1) return write_one(ctx, body, path);
   size_t stem = strlen(path) - 4, room = strlen(path) + strlen(body->def->name) + 2;
   LTH_NEW(ctx, named, (LitheCount)room);
-  snprintf(named, room, "%.*s_%s.vtu", (int)stem, path, body->def->name);
-  LitheStatus status = write_mesh(ctx, body->mesh, named);
+  snprintf(named, room, "%.*s_%s%s", (int)stem, path, body->def->name,
+           body->staggered ? ".vti" : ".vtu");
+  LitheStatus status = write_one(ctx, body, named);
   lth_free(ctx, named);
   return status;
+}
+
+static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, LitheMeshReport *report) {
+  LthMeshQuality quality;
+  if (body->staggered) return lth_report_grid(ctx, body, report);
+  LITHE_TRY(lth_mesh_quality(ctx, body->mesh, &quality));
+  add_quality(&quality, report);
+  return LITHE_OK;
 }
 
 LitheStatus lithe_mesh(LitheCtx *ctx, const LitheScene *scene, const char *path,
@@ -73,16 +93,16 @@ LitheStatus lithe_mesh(LitheCtx *ctx, const LitheScene *scene, const char *path,
   LthWorld *world = NULL;
   double start = lth_now();
   const char *end = path ? strrchr(path, '.') : NULL;
-  if (path && !(end && strcmp(end, ".vtu") == 0))
-    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: a mesh is written as VTU; expected a name with .vtu",
+  if (path && !(end && (strcmp(end, ".vtu") == 0 || strcmp(end, ".vti") == 0)))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: a mesh is written as VTU, fractions of a grid as VTI; expected a name with "
+               ".vtu or .vti",
                path);
   *report = (LitheMeshReport){0};
   LITHE_TRY_OR(done, lth_world_create_meshes(ctx, scene->scene, &world));
   report->seconds = lth_now() - start;
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
-    LthMeshQuality quality;
-    LITHE_TRY_OR(done, lth_mesh_quality(ctx, world->bodies[b]->mesh, &quality));
-    add_quality(&quality, report);
+    LITHE_TRY_OR(done, add_body(ctx, world->bodies[b], report));
     if (path) LITHE_TRY_OR(done, write_body(ctx, world->bodies[b], path));
   }
 

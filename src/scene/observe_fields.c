@@ -1,8 +1,10 @@
-/// fields_0000.vtu ... and fields.pvd: the deformed polyhedra with displacement, velocity and stress.
+/// fields_0000.vtu ... and fields.pvd: the deformed polyhedra with displacement, velocity and stress; or what
+/// staggered bodies have in their place.
 #include "io/file.h"
 #include "io/vtu.h"
 #include "scene/measure.h"
 #include "scene/observe.h"
+#include "scene/observe_grid.h"
 
 #include "base/tensor.h"
 
@@ -17,6 +19,7 @@ struct LthFields {
   double *points, *displacement, *velocity;            ///< (n_points x 3)
   double *stress, *von_mises, *degree, *level, *label; ///< per cell
   LthVtuTopology *topology;
+  LthGridFields *grid; ///< of a staggered body, with files of its own
   LitheIndex n_frames;
   LitheCount cap_frames;
   double *times;   ///< (n_frames)
@@ -47,6 +50,7 @@ LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *bo
   LTH_NEW(ctx, *fields, 1);
   LITHE_TRY(lth_copy_text(ctx, folder, &(*fields)->folder));
   LITHE_TRY(lth_output_stem(ctx, body, "fields", &(*fields)->stem));
+  if (body->staggered) return lth_grid_fields_open(ctx, body, &(*fields)->grid);
   return body->scene->fields_vtu ? allocate(ctx, body, *fields) : LITHE_OK;
 }
 
@@ -89,7 +93,7 @@ static LitheStatus write_vtu(LitheCtx *ctx, LthFields *f, const LthBody *body, c
 }
 
 /// The list of all files so far, names relative to it.
-static LitheStatus write_pvd(LitheCtx *ctx, const LthFields *f) {
+static LitheStatus write_pvd(LitheCtx *ctx, const LthFields *f, const char *ending) {
   LitheStatus status = LITHE_OK;
   size_t room = strlen(f->stem) + 24;
   char *names = NULL, *path = NULL;
@@ -98,7 +102,7 @@ static LitheStatus write_pvd(LitheCtx *ctx, const LthFields *f) {
   LTH_NEW_OR(done, ctx, files, f->n_frames);
   for (LitheIndex i = 0; i < f->n_frames; i++) {
     files[i] = names + room * (size_t)i;
-    snprintf(names + room * (size_t)i, room, "%s_%04d.vtu", f->stem, i);
+    snprintf(names + room * (size_t)i, room, "%s_%04d.%s", f->stem, i, ending);
   }
   char *name = names + room * (size_t)f->n_frames;
   snprintf(name, room, "%s.pvd", f->stem);
@@ -112,7 +116,55 @@ done:
   return status;
 }
 
+/// Is a format written for a staggered body? Where the scene names none, images.
+static bool wants(const LthBody *body, const char *ending) {
+  const LthScene *scene = body->scene;
+  if (strcmp(ending, "vti") == 0) return scene->fields_vti || scene->fields_unsaid;
+  if (strcmp(ending, "vtu") == 0) return scene->fields_vtu && !scene->fields_unsaid;
+  return scene->fields_nifti && body->def->shape.kind == LTH_SHAPE_IMAGE;
+}
+
+/// One file of a frame.
+static LitheStatus write_grid(LitheCtx *ctx, const LthFields *f, const LthBody *body,
+                              const char *ending) {
+  char *path = NULL;
+  if (!wants(body, ending)) return LITHE_OK;
+  LITHE_TRY(lth_path_numbered(ctx, f->folder, f->stem, f->n_frames, ending, &path));
+  LitheStatus status = strcmp(ending, "vti") == 0
+                           ? lth_grid_fields_image(ctx, f->grid, body, path)
+                           : lth_grid_fields_voxels(ctx, f->grid, body, path);
+  lth_free(ctx, path);
+  return status;
+}
+
+/// displacement_0007.nii.gz and so on.
+static LitheStatus write_volumes(LitheCtx *ctx, const LthFields *f, const LthBody *body) {
+  for (int what = 0; wants(body, "nii.gz") && what < LTH_GRID_VOLUMES; what++) {
+    char *stem = NULL, *path = NULL;
+    LITHE_TRY(lth_output_stem(ctx, body, lth_grid_fields_volume_name(what), &stem));
+    LitheStatus status = lth_path_numbered(ctx, f->folder, stem, f->n_frames, "nii.gz", &path);
+    if (status == LITHE_OK) status = lth_grid_fields_volume(ctx, body, what, path);
+    lth_free(ctx, stem);
+    lth_free(ctx, path);
+    LITHE_TRY(status);
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus frame_of_grid(LitheCtx *ctx, LthFields *f, const LthBody *body) {
+  bool any_vtk = wants(body, "vti") || wants(body, "vtu");
+  if (!any_vtk && !wants(body, "nii.gz")) return LITHE_OK;
+  if (any_vtk) lth_grid_fields_sample(ctx, f->grid, body);
+  LITHE_TRY(write_grid(ctx, f, body, "vti"));
+  LITHE_TRY(write_grid(ctx, f, body, "vtu"));
+  LITHE_TRY(write_volumes(ctx, f, body));
+  LTH_RESERVE(ctx, f->times, f->cap_frames, f->n_frames + 1);
+  f->times[f->n_frames++] = lth_simulation_time(body->sim);
+  return any_vtk ? write_pvd(ctx, f, wants(body, "vti") ? "vti" : "vtu") : LITHE_OK;
+}
+
 LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
+  if (body->staggered) return frame_of_grid(ctx, f, body);
   if (!body->scene->fields_vtu) return LITHE_OK;
   char *path;
   f->u = lth_body_displacement(body);
@@ -124,7 +176,7 @@ LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *f, const LthBody *body) {
   lth_free(ctx, path);
   LITHE_TRY(status);
   f->times[f->n_frames++] = lth_simulation_time(body->sim);
-  return write_pvd(ctx, f);
+  return write_pvd(ctx, f, "vtu");
 }
 
 static LitheStatus make_room(LitheCtx *ctx, LthFields *f, LitheCount n) {
@@ -142,12 +194,18 @@ void lth_fields_archive(LthFields *f, LthArchive *archive) {
   LTH_ARCHIVE_ARRAY(archive, f->times, n);
 }
 
+/// What a longer run left behind, of all kinds.
+static LitheStatus remove_later(LitheCtx *ctx, const LthFields *f) {
+  LITHE_TRY(lth_file_remove_numbered(ctx, f->folder, f->stem, f->n_frames, "vtu"));
+  return lth_file_remove_numbered(ctx, f->folder, f->stem, f->n_frames, "vti");
+}
+
 LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
   LthFields *f = *fields;
   if (!f) return LITHE_OK;
   LitheStatus status = LITHE_OK;
-  if (f->n_frames > 0)
-    status = lth_file_remove_numbered(ctx, f->folder, f->stem, f->n_frames, "vtu");
+  if (f->n_frames > 0) status = remove_later(ctx, f);
+  lth_grid_fields_close(ctx, &f->grid);
   lth_vtu_topology_destroy(ctx, &f->topology);
   lth_free(ctx, f->folder);
   lth_free(ctx, f->stem);

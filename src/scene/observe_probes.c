@@ -23,11 +23,13 @@ static LitheStatus find_cell(LitheCtx *ctx, const LthWorld *world, const LthScen
                              LitheIndex *body, LitheIndex *cell) {
   double nearest = INFINITY;
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
-    const LthMesh *mesh = world->bodies[b]->mesh;
+    const LthBody *at = world->bodies[b];
     LitheIndex found;
     bool inside;
-    LITHE_TRY(lth_find_cell(ctx, mesh, p->point, &found, &inside));
-    double distance = lth_v3_distance(p->point, mesh->cell_centroid + 3 * (LitheCount)found);
+    double center[3];
+    LITHE_TRY(lth_disc_find_cell(ctx, at->disc, p->point, &found, &inside));
+    lth_body_cell_center(at, found, center);
+    double distance = lth_v3_distance(p->point, center);
     if (!inside && distance >= nearest) continue;
     nearest = distance;
     *body = b;

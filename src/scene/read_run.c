@@ -164,6 +164,24 @@ static void check_none(LthReader *r, LthNode *node) {
              lth_show(r->arena, node));
 }
 
+/// Formats that no body of the scene has.
+static void check_fields(LthReader *r, LthNode *fields) {
+  bool any_grid = false, any_scan = false;
+  for (LitheIndex b = 0; b < r->scene->n_bodies; b++) {
+    const LthSceneBody *body = &r->scene->bodies[b];
+    bool is_grid = body->method_kind == LTH_METHOD_STAGGERED;
+    any_grid = any_grid || is_grid;
+    any_scan = any_scan || (is_grid && body->shape.kind == LTH_SHAPE_IMAGE);
+  }
+  if (r->scene->fields_vti && !any_grid)
+    lth_report(r->report, fields,
+               "vti holds fields on a grid, got no body of `kind: staggered`; expected vtu");
+  if (r->scene->fields_nifti && !any_scan)
+    lth_report(r->report, fields,
+               "nifti holds fields on the voxels of a scan, got no body of `kind: staggered` made "
+               "from an image; expected vti or vtu");
+}
+
 void lth_read_output(LthReader *r) {
   static const char *const spaces[] = {"scene", "file", NULL};
   const LthNode *output = lth_node_get(r->root, "output"), *every = lth_node_get(output, "every");
@@ -176,8 +194,10 @@ void lth_read_output(LthReader *r) {
   check_none(r, lth_node_find(output, "fields"));
   check_none(r, lth_node_find(output, "surface"));
   scene->fields_vtu = names_format(fields, "vtu");
+  scene->fields_unsaid = fields && fields->is_default;
   scene->fields_vti = names_format(fields, "vti");
   scene->fields_nifti = names_format(fields, "nifti");
+  if (fields) check_fields(r, lth_node_find(output, "fields"));
   scene->surface_pc2 = names_format(surface, "pc2");
   scene->surface_obj = names_format(surface, "obj");
   scene->surface_ply = names_format(surface, "ply");

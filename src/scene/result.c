@@ -1,6 +1,8 @@
 /// result.json: the figures of a whole run.
 #include "scene/result.h"
 
+#include "scene/measure_staggered.h"
+
 #include "base/tensor.h"
 #include "io/json.h"
 
@@ -33,12 +35,32 @@ static const char *element_name(const LthElementMesh *m) {
   return lth_element_shape((LthElementKind)m->kind[0])->name;
 }
 
+/// Grid and formulation of a staggered body.
+static void put_grid(LthJson *json, const LthBody *body) {
+  static const char *const methods[] = {"exact", "samples", "smooth"};
+  const LthStaggered *s = lth_staggered_of(body->disc);
+  double h[3], n[3];
+  for (int a = 0; a < s->dim; a++) {
+    h[a] = s->grid->h[a];
+    n[a] = round((body->box[3 + a] - body->box[a]) / h[a]);
+  }
+  lth_json_vector(json, "cells", s->dim, n);
+  lth_json_vector(json, "cell_size", s->dim, h);
+  lth_json_string(json, "fractions", methods[body->def->fractions.method]);
+  lth_json_string(json, "formulation", s->formulation == LTH_FORM_MIXED ? "mixed" : "displacement");
+}
+
 static void put_method(LthJson *json, const LthBody *body) {
   const LthSceneBody *def = body->def;
   static const char *const meshes[] = {"slice",  "hexahedra", "tetrahedra",
                                        "voxels", "embedded",  "file"};
   lth_json_begin_object(json, "method");
   lth_json_string(json, "kind", body->disc->table->name);
+  if (body->staggered) {
+    put_grid(json, body);
+    lth_json_end_object(json);
+    return;
+  }
   lth_json_string(json, "mesh", meshes[def->mesh_kind]);
   put_degree(json, body->disc);
   if (def->method_kind == LTH_METHOD_CG)
@@ -85,19 +107,18 @@ static LitheStatus put_stress(LitheCtx *ctx, LthJson *json, LitheIndex n, LthBod
 
 static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
   const LthBody *body = *at;
-  double penalty[2], volume = 0, largest;
+  double penalty[2], largest;
   const LthBlockMatrix *K = lth_simulation_matrix(body->sim);
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) volume += body->mesh->cell_volume[c];
   lth_json_begin_object(json, NULL);
   lth_json_string(json, "name", body->def->name);
   put_method(json, body);
   lth_json_integer(json, "elements",
-                   body->cell_element ? body->elements->n_elements : body->mesh->n_cells);
-  lth_json_integer(json, "dofs", body->disc->n_dofs);
+                   body->cell_element ? body->elements->n_elements : lth_body_elements(body));
+  lth_json_integer(json, "dofs", lth_body_unknowns(body));
   if (K)
     lth_json_integer(json, "nonzeros",
                      count_nonzeros(K, body->first, body->first + body->disc->n_dofs));
-  lth_json_number(json, "volume", volume);
+  lth_json_number(json, "volume", lth_body_volume(body));
   lth_json_number(json, "mass", body->mass);
   if (body->op) {
     lth_dg_penalty_range(body->op, penalty, penalty + 1);
@@ -143,7 +164,7 @@ static LitheStatus find_reactions(LitheCtx *ctx, const LthBody *body, const doub
   if (body->held_nodes)
     lth_cg_strong_add_reactions(body->held_nodes, imbalance + body->first, reaction);
   lth_free(ctx, weak);
-  return LITHE_OK;
+  return body->staggered ? lth_add_grid_reactions(ctx, body, imbalance, reaction) : LITHE_OK;
 }
 
 static LitheStatus put_reaction(LitheCtx *ctx, LthJson *json, const LthBody *body,

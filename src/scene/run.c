@@ -131,9 +131,10 @@ static LitheStatus write_json(LitheCtx *ctx, const LitheResult *result) {
 
 static void summarise(const Run *run, LitheResult *result) {
   const LthStepReport *report = lth_simulation_report(run->world->sim);
-  for (LitheIndex b = 0; b < run->world->n_bodies; b++)
-    result->summary.elements += run->world->bodies[b]->mesh->n_cells;
-  result->summary.unknowns = run->world->system->n;
+  for (LitheIndex b = 0; b < run->world->n_bodies; b++) {
+    result->summary.elements += lth_body_elements(run->world->bodies[b]);
+    result->summary.unknowns += lth_body_unknowns(run->world->bodies[b]);
+  }
   result->summary.frames = run->out.n_frames;
   result->summary.simulated = lth_simulation_time(run->world->sim);
   result->summary.penetration = report->penetration;

@@ -163,6 +163,7 @@ typedef struct LthScene {
   LthValue exact[3], exact_stress[9];
   double output_every; ///< [s]; 0: every step; negative: `last`
   bool fields_vtu, fields_vti, fields_nifti;
+  bool fields_unsaid; ///< the default: vtu, of staggered bodies vti
   bool surface_pc2, surface_obj, surface_ply, surface_stl;
   bool output_in_file_space;
   double checkpoint_period; ///< of wall clock [s]; negative: no checkpoints

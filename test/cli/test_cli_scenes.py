@@ -186,7 +186,8 @@ with folder() as d:
           err="lithe: beam.yaml:4:5: bodies.0.shape: it is empty: its parts have no space in common; move or enlarge "
               "them\n", status=2, cwd=d)
     check("a_mesh_is_written_as_vtu", ["mesh", "beam.yaml", "-o", "beam.msh"], status=2, cwd=d,
-          err="lithe: beam.msh: a mesh is written as VTU; expected a name with .vtu\n")
+          err="lithe: beam.msh: a mesh is written as VTU, fractions of a grid as VTI; expected a name with .vtu or "
+          ".vti\n")
 
     # an expression that comes out undefined is named, in whichever step that is
     load = "    loads:\n      - {where: {normal: [1, 0, 0]}, traction: [0, \"%s\", 0]}\ngravity"

@@ -83,8 +83,8 @@ static void refuses_what_is_not_built_yet(void **state) {
                         "--set solver.linear=petsc: solver.linear: " UNBUILT
                         "\"petsc\"; available: auto, cholesky, pcg or multigrid");
   EXPECT_OVERRIDE_ERROR("output.fields=[vti]",
-                        "--set output.fields=[vti]: output.fields.0: " UNBUILT
-                        "\"vti\"; available: vtu or none");
+                        "--set output.fields=[vti]: output.fields: vti holds fields on a grid, got "
+                        "no body of `kind: staggered`; expected vtu");
 }
 
 static void takes_empty_keys_that_ask_for_nothing(void **state) {

@@ -1,0 +1,19 @@
+/// What `lithe mesh` and `lithe check` tell of staggered bodies: from their fractions, before anything else is built.
+#pragma once
+
+#include "lithe/run.h"
+#include "scene/staggered_body.h"
+
+/// Add a body's cells, pieces and volume to the report.
+LitheStatus lth_report_grid(LitheCtx *ctx, const LthBody *body, LitheMeshReport *report);
+
+/// Write fractions as .vti.
+LitheStatus lth_write_fractions(LitheCtx *ctx, const LthBody *body, const char *path);
+
+/// Cells with material, and unknowns that touch them.
+typedef struct LthGridCount {
+  LitheIndex cells, cut;
+  LitheCount unknowns;
+} LthGridCount;
+
+LthGridCount lth_count_grid(const LthBody *body);
