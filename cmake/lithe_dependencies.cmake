@@ -2,6 +2,7 @@
 find_package(PkgConfig REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS C)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
 find_package(BLAS REQUIRED)
 find_package(LAPACK REQUIRED)
 pkg_check_modules(FYAML REQUIRED IMPORTED_TARGET libfyaml)
@@ -16,5 +17,5 @@ add_library(lithe_dependencies INTERFACE)
 target_include_directories(lithe_dependencies SYSTEM INTERFACE
   ${CHOLMOD_INCLUDE_DIR} ${MUPARSER_INCLUDE_DIR} ${LAPACKE_INCLUDE_DIR})
 target_link_libraries(lithe_dependencies INTERFACE
-  PkgConfig::FYAML ZLIB::ZLIB ${CHOLMOD_LIBRARY} ${MUPARSER_LIBRARY} ${LAPACKE_LIBRARY}
+  PkgConfig::FYAML PNG::PNG ZLIB::ZLIB ${CHOLMOD_LIBRARY} ${MUPARSER_LIBRARY} ${LAPACKE_LIBRARY}
   LAPACK::LAPACK BLAS::BLAS OpenMP::OpenMP_C m)

@@ -15,7 +15,7 @@ install(FILES ${PROJECT_BINARY_DIR}/lithe-config.cmake ${PROJECT_BINARY_DIR}/lit
 
 # a static library leaves it to its user to link what it needs
 set(LITHE_PC_OWN "-L\${libdir} -llithe")
-set(LITHE_PC_NEEDS "-lcholmod -lmuparser -llapacke -llapack -lblas -lz -lgomp -lm")
+set(LITHE_PC_NEEDS "-lcholmod -lmuparser -llapacke -llapack -lblas -lpng16 -lz -lgomp -lm")
 if(BUILD_SHARED_LIBS)
   set(LITHE_PC_LIBS "${LITHE_PC_OWN}")
   set(LITHE_PC_REQUIRES "Requires.private: libfyaml")

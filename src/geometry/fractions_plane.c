@@ -1,5 +1,5 @@
 /// Exact fractions in the plane: a part is cut along straight sides into convex cells until shapes decide, or until
-/// one circle is left, whose area in a convex cell has a closed form (docs/theory/fractions.md).
+/// one circle is left, whose area in a convex cell has a closed form (docs/theory/fractions-plane.md).
 #include "geometry/fractions_plane.h"
 
 #include "base/tensor.h"

@@ -1,4 +1,4 @@
-/// Area of a polygon inside a box, edge by edge (docs/theory/fractions.md).
+/// Area of a polygon inside a box, edge by edge (docs/theory/fractions-plane.md).
 ///
 /// With s the inside state of the low corner, the length of {y in [y0, y1]: (x, y) inside} is s (y1 - y0), changed by
 /// (y1 - y0) at every edge that crosses the low side left of x and by y1 - y at every edge that passes over x in

@@ -50,5 +50,7 @@ LitheStatus lth_nifti_parse(LitheCtx *ctx, const char *name, const char *data, s
                             LthVolume **volume);
 LitheStatus lth_nrrd_parse(LitheCtx *ctx, const char *name, const char *path, const char *data,
                            size_t size, LthVolume **volume);
+LitheStatus lth_png_parse(LitheCtx *ctx, const char *name, const char *data, size_t size,
+                          LthVolume **volume);
 LitheStatus lth_mhd_parse(LitheCtx *ctx, const char *name, const char *path, const char *data,
                           size_t size, LthVolume **volume);

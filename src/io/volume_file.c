@@ -15,7 +15,8 @@ static bool ends_in(const char *path, const char *ending) {
 
 static const char *format_of(const char *path) {
   static const char *const endings[][2] = {{".nii", "nii"},   {".nii.gz", "nii"}, {".nrrd", "nrrd"},
-                                           {".nhdr", "nrrd"}, {".mhd", "mhd"},    {".mha", "mhd"}};
+                                           {".nhdr", "nrrd"}, {".mhd", "mhd"},    {".mha", "mhd"},
+                                           {".png", "png"}};
   for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
     if (ends_in(path, endings[i][0])) return endings[i][1];
   return NULL;
@@ -25,6 +26,7 @@ static LitheStatus parse(LitheCtx *ctx, const char *name, const char *path, cons
                          const char *data, size_t size, LthVolume **volume) {
   *volume = NULL;
   if (strcmp(format, "nii") == 0) return lth_nifti_parse(ctx, name, data, size, volume);
+  if (strcmp(format, "png") == 0) return lth_png_parse(ctx, name, data, size, volume);
   LthTextLocale before = lth_text_locale_begin();
   LitheStatus status = strcmp(format, "nrrd") == 0
                            ? lth_nrrd_parse(ctx, name, path, data, size, volume)
@@ -46,7 +48,7 @@ LitheStatus lth_volume_read(LitheCtx *ctx, const char *path, LthVolume **volume)
   if (!format)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: no kind of volume is known by this ending; expected .nii, .nii.gz, .nrrd, "
-               ".nhdr, .mhd or .mha",
+               ".nhdr, .mhd, .mha or .png",
                path);
   LITHE_TRY(lth_file_read(ctx, path, &data, &size));
   LitheStatus status = parse(ctx, path, path, format, data, size, volume);

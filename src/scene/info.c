@@ -7,6 +7,7 @@
 #include <cholmod.h>
 #include <libfyaml.h>
 #include <omp.h>
+#include <png.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <zlib.h>
@@ -61,9 +62,10 @@ static void add_engines(Lines *lines) {
   add(lines, "engines    ");
   for (int i = 0; i < lth_engine_count(); i++) add(lines, " %s,", lth_engine_at(i)->name);
   add(lines, " pcg, multigrid\n");
-  add(lines, "libraries   CHOLMOD %d.%d.%d, libfyaml %s, zlib %s, muParser, OpenBLAS, LAPACK\n",
+  add(lines,
+      "libraries   CHOLMOD %d.%d.%d, libfyaml %s, zlib %s, libpng %s, muParser, OpenBLAS, LAPACK\n",
       CHOLMOD_MAIN_VERSION, CHOLMOD_SUB_VERSION, CHOLMOD_SUBSUB_VERSION, fy_library_version(),
-      zlibVersion());
+      zlibVersion(), png_get_libpng_ver(NULL));
 }
 
 static void add_licence(Lines *lines) {

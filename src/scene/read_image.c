@@ -1,4 +1,4 @@
-/// Shapes from images in three dimensions: files read, placed and selected from; what `value` and `label` mean.
+/// Shapes from images: files read, placed and selected from; what `value` and `label` mean.
 #include "scene/reader.h"
 
 #include "base/tensor.h"
@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define ISLANDS_TOLD 5
 
@@ -55,12 +56,26 @@ static LitheStatus place_volume(LthReader *r, const LthNode *node, const LthPlac
     }
     for (int i = 0; i < 3; i++) A[4 * i + j] *= spacing[j] / length;
   }
+  if (r->scene->dimension == 2) A[3] = A[0] / 2, A[7] = A[5] / 2; // the corner stays at the origin
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 4; j++)
       placed[4 * i + j] = place->rotation[3 * i] * A[j] + place->rotation[3 * i + 1] * A[4 + j] +
                           place->rotation[3 * i + 2] * A[8 + j] +
                           (j == 3 ? place->translation[i] : 0);
   return lth_volume_place(r->ctx, v, placed);
+}
+
+/// A plane scene takes flat images, all others take volumes.
+static bool check_kind(LthReader *r, const LthNode *file) {
+  size_t n = strlen(file->text);
+  bool is_flat = n > 4 && strcasecmp(file->text + n - 4, ".png") == 0;
+  if (is_flat == (r->scene->dimension == 2)) return true;
+  lth_report(r->report, file,
+             is_flat ? "a flat image, got %s in three dimensions; expected .nii, .nii.gz, .nrrd or "
+                       ".mhd, or `dimension: 2`"
+                     : "an image in three dimensions, got %s in `dimension: 2`; expected .png",
+             lth_show(r->arena, file));
+  return false;
 }
 
 static LitheStatus read_volume(LthReader *r, const LthNode *node, const LthPlacement *place,
@@ -70,7 +85,7 @@ static LitheStatus read_volume(LthReader *r, const LthNode *node, const LthPlace
   *volume = NULL;
   if (!file || !r->opens_files) return LITHE_OK;
   LITHE_TRY(lth_find_file(r, file, &path));
-  if (!path) return LITHE_OK;
+  if (!path || !check_kind(r, file)) return LITHE_OK;
   LitheStatus status = lth_volume_read(r->ctx, path, volume);
   if (status != LITHE_OK) return blame(r, file, status);
   LITHE_TRY(lth_own_volume(r, *volume));
@@ -206,6 +221,6 @@ void lth_bind_image(LthReader *r, const LthNode *map, const char *key) {
   else if (!r->image_is_missing)
     lth_report(r->report, node,
                "value and label are known only in bodies made from images, got %s; expected an "
-               "expression of x, y, z, or an image as the shape",
-               lth_show(r->arena, node));
+               "expression of x, y%s, or an image as the shape",
+               lth_show(r->arena, node), r->scene->dimension == 3 ? ", z" : "");
 }

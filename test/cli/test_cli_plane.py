@@ -1,0 +1,72 @@
+"""Scenes in two dimensions from outside: masks and shapes, and what is refused in them."""
+import os
+import struct
+import zlib
+
+from cli import done, expect, folder, run
+
+SCENE = """lithe: 1
+dimension: 2
+bodies:
+  - name: plate
+    shape: {image: {file: mask.png, threshold: 100, spacing: [1 cm, 1 cm]}}
+    material: {young_modulus: "1e6*value", poisson_ratio: 0.3}
+    method: {kind: staggered, cell_size: 5 mm}
+    constraints:
+      - {where: {box: {min: [0, 0], max: [1, 0.01]}}, displacement: [0, 0]}
+    loads:
+      - {where: {normal: [0, 1]}, traction: [0, -1 kPa]}
+output: {fields: [none]}
+"""
+
+
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+def png(rows):
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 0, 0, 0, 0)
+    data = b"".join(b"\0" + bytes(row) for row in rows)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(data)) + chunk(b"IEND", b""))
+
+
+def write(directory, name, data):
+    with open(os.path.join(directory, name), "wb") as file:
+        file.write(data)
+
+
+def checks(directory, *changes):
+    return run("check", "plate.yaml", *[x for c in changes for x in ("--set", c)], cwd=directory)
+
+
+with folder() as d:
+    write(d, "plate.yaml", SCENE.encode())
+    write(d, "mask.png", png([[0, 0, 0, 0], [0, 200, 0, 50], [0, 200, 200, 0], [0, 200, 150, 0]]))
+    write(d, "cut.png", png([[255] * 40] * 40)[:60])
+    write(d, "text.png", b"no picture")
+    for name, change, says in (
+            ("a_mask_that_is_cut_is_told", "bodies.0.shape.image.file=cut.png",
+             "bodies.0.shape.image.file: ./cut.png: at byte "),
+            ("what_is_no_picture_is_told", "bodies.0.shape.image.file=text.png", "no PNG image that can be read"),
+            ("a_missing_mask_is_told", "bodies.0.shape.image.file=none.png", "cannot be read: No such file"),
+            ("a_threshold_out_of_range_says_the_range", "bodies.0.shape.image.threshold=255",
+             "no voxel is above the threshold of 255: values are from 0 to 200"),
+            ("a_volume_is_no_mask", "bodies.0.shape.image.file=brain.nii.gz", "cannot be read"),
+            ("a_mesh_is_refused", "bodies.0.shape={mesh: {file: bunny.obj}}",
+             "bodies.0.shape.mesh: it is of scenes in three dimensions, got mesh in `dimension: 2`"),
+            ("three_entries_are_refused", "bodies.0.loads.0.traction=[0, 0, 1]",
+             "bodies.0.loads.0.traction: wrong length, got a list of 3; expected a list of 2 numbers [Pa]"),
+            ("a_polygon_that_crosses_itself_is_told",
+             "bodies.0.shape={polygon: [[0, 0], [3, 0], [0, 2], [4, 3]]}", "touches or crosses itself"),
+            ("dg_is_refused", "bodies.0.method={kind: dg, cells: [4, 4]}",
+             "bodies.0.method.kind: it works in three dimensions alone, got \"dg\"; expected staggered"),
+            ("one_half_needs_mixed", "bodies.0.material={young_modulus: 1, poisson_ratio: 0.5}", None)):
+        changes = [change] if says else [change, "bodies.0.method.formulation=displacement"]
+        got = checks(d, *changes)
+        expect(name, got.returncode == 2 and (says or "only the mixed formulation keeps volumes") in got.stderr,
+               got.stderr)
+    got = checks(d, "dimension=3")
+    expect("a_mask_is_no_volume", got.returncode == 2 and "a flat image, got \"mask.png\" in three dimensions" in
+           got.stderr, got.stderr)
+
+done()
