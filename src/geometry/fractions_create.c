@@ -20,6 +20,10 @@ static LitheStatus check_def(LitheCtx *ctx, const LthFractionDef *def) {
   return LITHE_OK;
 }
 
+static LthSide exact_side(const void *self, const double center[3], const double half[3]) {
+  return lth_probe_side(self, center, half);
+}
+
 LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
                                  const double origin[3], const double h[3], const LitheIndex n[3],
                                  const LthFractionDef *def, LthFractions **fractions) {
@@ -41,8 +45,9 @@ LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
       .dim = dim,
   };
   LthFractionFiller filler = {&sampler, lth_fraction_sample_side, lth_fraction_fill_samples};
-  if (def->method == LTH_FRACTIONS_EXACT) sampler.samples = 16;
-  if (def->method == LTH_FRACTIONS_EXACT && dim == 2) filler = lth_fraction_plane_filler(probe);
+  if (def->method == LTH_FRACTIONS_EXACT)
+    filler = dim == 2 ? lth_fraction_plane_filler(probe)
+                      : (LthFractionFiller){probe, exact_side, lth_fraction_fill_exact};
   if (def->method == LTH_FRACTIONS_SMOOTH)
     filler = (LthFractionFiller){&smoother, lth_fraction_smooth_side, lth_fraction_fill_smooth};
   LITHE_TRY_OR(done, lth_fractions_build(ctx, &filler, dim, origin, h, n, fractions));

@@ -74,6 +74,15 @@ LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx,
 /// LTH_FRACTIONS_EXACT in 2D.
 LthFractionFiller lth_fraction_plane_filler(const LthProbe *probe);
 
+/// LTH_FRACTIONS_EXACT in 3D by a probe, which is `self`.
+LitheStatus lth_fraction_fill_exact(const void *probe, LitheCtx *ctx, const LthFractionFrame *frame,
+                                    const LthFractionRow *row);
+
+/// Parts inside a prepared triangle surface: to rounding, or `samples` along a cell > 0. `part` as row->part, zero.
+LitheStatus lth_fraction_fill_surface(LitheCtx *ctx, const LthShape *shape, int samples,
+                                      const LthFractionFrame *frame, const LthFractionRow *row,
+                                      double *part);
+
 /// Value of a leaf box of `size` parts at `at` (counted in parts from the block's low corner).
 typedef double (*LthFractionLeaf)(const void *self, const LthFractionFrame *frame,
                                   const double low[3], const int at[3]);

@@ -69,7 +69,10 @@ LthSide lth_fraction_sample_side(const void *sampler, const double center[3],
 LitheStatus lth_fraction_fill_samples(const void *sampler, LitheCtx *ctx, const LthFractionFrame *f,
                                       const LthFractionRow *row) {
   LthFractionFiller filler = {.self = sampler, .side = lth_fraction_sample_side};
-  (void)ctx;
+  const LthSampler *s = sampler;
+  const LthShape *shape = s->probe->shape;
+  if (shape->kind == LTH_SHAPE_MESH && shape->bvh && f->dim == 3)
+    return lth_fraction_fill_surface(ctx, shape, s->samples, f, row, row->part);
   for (LitheIndex m = 0; m < row->n; m++) {
     double low[3];
     lth_fraction_corner(f, row->at[m], row->j, row->k, low);

@@ -4,6 +4,7 @@
 #include "base/tensor.h"
 
 #define SCAN_MAX 4096      ///< voxels or cells of a map that are looked at for one box
+#define TOUCH 1e-11        ///< of a box: sides that meet but for rounding
 #define ROUNDING 0x1p-40   ///< of a value's bound
 #define WRAP_CLEARANCE 2.3 ///< of half a box's width: as in wrap_map.c
 #define WRAP_SURE 0.35     ///< of a winding number around one half
@@ -134,7 +135,7 @@ double lth_probe_distance(const LthProbe *p, const double x[3], int dim, double 
 static LthSide box_side(const LthShape *s, const double c[3], const double half[3]) {
   bool is_in = true;
   for (int i = 0; i < 3; i++) {
-    double low = c[i] - half[i], high = c[i] + half[i];
+    double low = c[i] - half[i] * (1 - TOUCH), high = c[i] + half[i] * (1 - TOUCH);
     if (half[i] > 0 ? high <= s->a[i] || low >= s->b[i] : c[i] < s->a[i] || c[i] > s->b[i])
       return LTH_SIDE_OUTSIDE;
     is_in = is_in && low >= s->a[i] && high <= s->b[i];
