@@ -99,6 +99,21 @@ double lth_body_yield(const LthBody *body, LitheIndex cell) {
   return entry < 0 ? 0 : body->def->materials[entry].material.yield_strength;
 }
 
+void lth_body_elastic(const LthBody *body, LitheIndex cell, double *young, double *poisson) {
+  double x[3];
+  *young = *poisson = 0;
+  if (!body->staggered) {
+    *young = body->young[cell];
+    *poisson = body->poisson[cell];
+    return;
+  }
+  LitheIndex entry = lth_body_entry(body, cell);
+  if (entry < 0) return;
+  lth_body_cell_center(body, cell, x);
+  *young = lth_value_at(&body->def->materials[entry].material.young, x, 0);
+  *poisson = lth_value_at(&body->def->materials[entry].material.poisson, x, 0);
+}
+
 static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
   uint8_t *degree = NULL;
   LTH_NEW(ctx, degree, body->mesh->n_cells);

@@ -112,6 +112,9 @@ lth_body_unknowns(const LthBody *body); ///< without those of staggered grids th
 LitheIndex lth_body_entry(const LthBody *body, LitheIndex cell);
 double lth_body_yield(const LthBody *body, LitheIndex cell);
 
+/// Young's modulus [Pa] and Poisson's ratio of a cell.
+void lth_body_elastic(const LthBody *body, LitheIndex cell, double *young, double *poisson);
+
 /// What is the same in all materials of a body; and constants in range at a place.
 LitheStatus lth_check_materials(LitheCtx *ctx, const LthSceneBody *def);
 LitheStatus lth_check_constants(LitheCtx *ctx, const LthBody *body, const double at[3],
@@ -134,8 +137,15 @@ LitheStatus lth_build_nodes(LitheCtx *ctx, LthBody *body); ///< constraints and 
 LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_embedding(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body);
+/// Contact points of a staggered body: one on the boundary near each cell that it leaves, with its share of the area,
+/// and those of `surface` (NULL: none) as in lth_embedding_create_nodes().
+LitheStatus lth_build_grid_nodes(LitheCtx *ctx, const LthBody *body, const LthEmbedding *surface,
+                                 LthEmbedding **nodes);
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among several bodies
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
+
+/// Tessellate the shape where the body has no surface yet.
+LitheStatus lth_body_make_surface(LitheCtx *ctx, LthBody *body);
 
 /// Points (n x 3) that follow the body as its embedded surface would. `cells` (n): -1 where not known.
 LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, const double *points,

@@ -18,30 +18,35 @@ static double longest_edge(const LthSoup *soup, LitheIndex polygon) {
 
 /// A flat face of a part has points at its corners only: between them it would sink into a floor.
 static bool has_large_polygons(const LthBody *body) {
-  double limit = 2 * body->mesh->cell_size;
+  double limit = 2 * body->cell_size;
   for (LitheIndex p = 0; p < body->soup->n_polys; p++)
     if (longest_edge(body->soup, p) > limit * limit) return true;
   return false;
 }
 
+static LitheStatus create_nodes(LitheCtx *ctx, LthBody *body, const LthEmbedding *surface) {
+  if (body->staggered) return lth_build_grid_nodes(ctx, body, surface, &body->nodes);
+  return lth_embedding_create_nodes(ctx, body->disc, body->space, surface, &body->nodes);
+}
+
 static LitheStatus choose_points(LitheCtx *ctx, LthBody *body) {
   LthContactPoints points = body->scene->contact_points;
-  if (points == LTH_POINTS_NODES || !body->embedding)
-    return lth_embedding_create_nodes(ctx, body->disc, body->space, NULL, &body->nodes);
+  if (points == LTH_POINTS_NODES || !body->embedding) return create_nodes(ctx, body, NULL);
   if (!has_large_polygons(body)) return LITHE_OK;
   if (points == LTH_POINTS_SURFACE) {
     lth_warn(ctx, "contact.points: the embedded surface has polygons larger than the elements, and "
                   "nothing touches between their points; `auto` adds the nodes");
     return LITHE_OK;
   }
-  return lth_embedding_create_nodes(ctx, body->disc, body->space, body->embedding, &body->nodes);
+  return create_nodes(ctx, body, body->embedding);
 }
 
 double lth_body_modulus(const LthBody *body) {
   double modulus = 0;
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
-    double lambda, mu;
-    lth_lame(body->young[c], body->poisson[c], &lambda, &mu);
+  for (LitheIndex c = 0; c < body->disc->n_cells; c++) {
+    double lambda, mu, young, poisson;
+    lth_body_elastic(body, c, &young, &poisson);
+    lth_lame(young, fmin(poisson, 0.499), &lambda, &mu); // what does not shrink is stiff enough
     modulus = fmax(modulus, lambda + 2 * mu);
   }
   return modulus;
@@ -58,7 +63,7 @@ LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
                        .friction = scene->contact_friction,
                        .damping = scene->contact_damping,
                        .modulus = lth_body_modulus(body),
-                       .cell_size = body->mesh->cell_size,
+                       .cell_size = body->cell_size,
                        .body_size = body->size,
                        .body_weight = body->mass * lth_v3_norm(scene->gravity)};
   return lth_contact_create(ctx, &def, &body->contact);

@@ -19,6 +19,13 @@ static LitheStatus soup_from_surface(LitheCtx *ctx, const LthSurface *surface, L
   return LITHE_OK;
 }
 
+LitheStatus lth_body_make_surface(LitheCtx *ctx, LthBody *body) {
+  const LthSceneBody *def = body->def;
+  double resolution = def->shape_resolution > 0 ? def->shape_resolution : body->cell_size / 4;
+  if (body->surface) return LITHE_OK;
+  return lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface);
+}
+
 /// The embedded surface: the scene's file, the shape's file, the tessellated shape, or without a shape the
 /// boundary of the mesh file.
 static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
@@ -30,11 +37,7 @@ static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
     body->soup = body->own_soup;
     return LITHE_OK;
   }
-  if (!body->surface) {
-    double resolution =
-        def->shape_resolution > 0 ? def->shape_resolution : body->mesh->cell_size / 4;
-    LITHE_TRY(lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface));
-  }
+  LITHE_TRY(lth_body_make_surface(ctx, body));
   LITHE_TRY(soup_from_surface(ctx, body->surface, &body->own_soup));
   body->soup = body->own_soup;
   return LITHE_OK;
@@ -44,7 +47,7 @@ static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
 static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *cells) {
   const LthSceneBody *def = body->def;
   LitheIndex *surface_cells = NULL;
-  LitheIndex n_known = body->mesh->n_surface_points;
+  LitheIndex n_known = body->mesh ? body->mesh->n_surface_points : 0;
   const LitheIndex *map = def->surface ? def->surface->soup_point : NULL;
   bool is_sliced = n_known > 0 && lth_body_embeds_shape(body);
   for (LitheIndex i = 0; i < body->soup->n_points; i++) cells[i] = -1;
@@ -63,7 +66,7 @@ static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *c
 /// along by the nearest elements.
 static void warn_of_far_points(LitheCtx *ctx, const LthBody *body) {
   const LthSoup *soup = body->def->embed_soup;
-  const double margin = body->mesh->cell_size;
+  const double margin = body->cell_size;
   LitheIndex n_far = 0;
   double farthest = 0;
   for (LitheIndex i = 0; soup && i < soup->n_points; i++) {

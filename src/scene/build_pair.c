@@ -34,6 +34,13 @@ static LthTieSide tie_side(const LthWorld *world, LitheIndex b, const LthPatches
 static LitheStatus build_tie(LitheCtx *ctx, const LthWorld *world, const LthSceneTie *from,
                              LthWorldTie *to) {
   LthTieDef def = {.place = from->place};
+  for (int s = 0; s < 2; s++)
+    if (world->bodies[from->body[s]]->staggered)
+      LITHE_FAIL(
+          ctx, LITHE_BAD_INPUT,
+          "%s: `%s` is staggered, which ties cannot join; use `method.kind: dg` or cg for it, "
+          "or one staggered body with a list of materials",
+          from->place, world->bodies[from->body[s]]->def->name);
   for (int s = 0; s < 2; s++) {
     to->body[s] = from->body[s];
     LITHE_TRY(lth_build_patches(ctx, world->bodies[from->body[s]], from->place, &from->where,
@@ -65,7 +72,7 @@ static LthPairSide pair_side(const LthBody *body) {
                        .surface = body->touch,
                        .surface_point = body->touch_point,
                        .modulus = lth_body_modulus(body),
-                       .cell_size = body->mesh->cell_size,
+                       .cell_size = body->cell_size,
                        .body_size = body->size,
                        .body_weight = body->mass * lth_v3_norm(body->scene->gravity)};
 }
@@ -101,6 +108,12 @@ static LitheStatus build_pair(LitheCtx *ctx, LthWorld *world, LitheIndex a, Lith
 LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
   LitheIndex n = world->n_bodies;
   if (!world->scene->contact_bodies || n < 2) return LITHE_OK;
+  if (world->scene->dimension == 2) {
+    lth_warn(ctx,
+             "contact.bodies: bodies in the plane touch colliders, but pass through each other; "
+             "`false` says that this is meant");
+    return LITHE_OK;
+  }
   LTH_NEW(ctx, world->pairs, (LitheCount)n * (n - 1) / 2);
   for (LitheIndex b = 0; b < n; b++) LITHE_TRY(lth_build_touch(ctx, world->bodies[b]));
   for (LitheIndex a = 0; a < n; a++)

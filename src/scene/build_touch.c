@@ -56,9 +56,9 @@ static void map_to_soup(const LthBody *body, LitheIndex *point) {
 
 /// Cells of the points that slicing knows, -1 for others.
 static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *cells) {
-  LitheIndex n_known = body->mesh->n_surface_points;
+  LitheIndex n_known = body->mesh ? body->mesh->n_surface_points : 0;
   for (LitheIndex i = 0; i < body->touch->n_points; i++) cells[i] = -1;
-  if (!body->surface || n_known != body->surface->n_points) return LITHE_OK;
+  if (n_known == 0 || !body->surface || n_known != body->surface->n_points) return LITHE_OK;
   return lth_surface_point_cells(ctx, body->mesh, cells);
 }
 
@@ -83,13 +83,13 @@ done:
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LthSurface *made = NULL;
+  if (body->staggered) LITHE_TRY(lth_body_make_surface(ctx, body));
   const LthSurface *from = body->surface;
   if (!from) {
     LITHE_TRY(surface_of_mesh(ctx, body, &made));
     from = made;
   }
-  LITHE_TRY_OR(done,
-               lth_surface_refine(ctx, from, EDGE_CELLS * body->mesh->cell_size, &body->touch));
+  LITHE_TRY_OR(done, lth_surface_refine(ctx, from, EDGE_CELLS * body->cell_size, &body->touch));
   LTH_NEW_OR(done, ctx, body->touch_point, body->touch->n_points);
   bool is_embedded = body->embedding && body->surface && lth_body_embeds_shape(body);
   if (is_embedded && body->touch->n_points == from->n_points)

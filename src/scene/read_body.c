@@ -113,6 +113,13 @@ LitheStatus lth_read_embed(LthReader *r, const LthNode *node, const LthPlacement
   static const char *const interpolations[] = {"mls", "stitched", NULL};
   static const char *const samples[] = {"nodes", "edges", "faces", "cells", NULL};
   if (!node || lth_node_is_null(node)) return LITHE_OK;
+  if (r->scene->dimension == 2) {
+    lth_report(r->report, node,
+               "a surface has no place in the plane, got %s; expected no `embed` (fields show "
+               "the deformed shape)",
+               lth_show(r->arena, node));
+    return LITHE_OK;
+  }
   body->has_embed = true;
   body->interpolation = (LthInterpolation)lth_read_word(node, "interpolation", interpolations);
   body->samples = (LthSamples)lth_read_word(node, "samples", samples);
