@@ -184,6 +184,10 @@ void lth_step_defect(LitheCtx *ctx, LthSimulation *s, double *y);
 void lth_rigid_motion(const LthSimulation *s, LitheIndex b, const LthInertia *inertia, int k,
                       const double *x, double *y);
 
+/// sum += weight sum of x_i x y_i over a body.
+void lth_rigid_add_moment(const LthSimulation *s, LitheIndex b, double weight, const double *x,
+                          const double *y, double sum[3]);
+
 /// Keep the state at the start of a step; allocates at the first.
 LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s);
 void lth_stage_free(LitheCtx *ctx, LthStage *stage);

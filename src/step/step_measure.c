@@ -17,10 +17,9 @@ void lth_simulation_measure(LitheCtx *ctx, LthSimulation *s) {
   memset(r->angular_momentum, 0, sizeof r->angular_momentum);
   lth_system_apply_mass(s->system, s->v, s->scratch);
   for (LitheCount i = 0; i < s->n / 3; i++) {
-    double turn[3];
     r->kinetic_energy += 0.5 * lth_v3_dot(y + 3 * i, s->v + 3 * i);
-    lth_v3_cross(s->x + 3 * i, y + 3 * i, turn);
-    lth_v3_add(r->angular_momentum, turn, r->angular_momentum);
     lth_v3_axpy(s->system->one[i], y + 3 * i, r->momentum);
   }
+  for (LitheIndex b = 0; b < s->system->n_bodies; b++)
+    lth_rigid_add_moment(s, b, 1, s->x, y, r->angular_momentum);
 }

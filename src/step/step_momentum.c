@@ -22,26 +22,16 @@ static void balance_momentum(LthSimulation *s, LitheIndex group, const double *m
       if (s->rigid.group[b] == group) lth_v3_axpy(system->one[i], shift, s->solution + 3 * i);
 }
 
-/// sum += weight sum of x_i x y_i over a body.
-static void add_moment(const LthSimulation *s, LitheIndex b, double weight, const double *x,
-                       const double *y, double sum[3]) {
-  const LitheCount first = s->system->dof_first[b], n = s->system->dof_first[b + 1] - first;
-  for (int k = 0; k < 3; k++) { // e_k . (x x y) = (e_k x x) . y
-    lth_disc_turn(s->system->bodies[b].disc, k, x + first, s->u + first);
-    sum[k] += weight * lth_dot(1, n, s->u + first, y + first);
-  }
-}
-
 /// Moment of the external forces over the step: of their end for Euler, the mean of both ends for the others.
 static void add_impulse(const LthSimulation *s, LitheIndex b, double dt, double sum[3]) {
   const LthStage *g = &s->stage;
   if (!g->is_second_order) {
-    add_moment(s, b, dt, g->x_start, s->f_ext, sum);
+    lth_rigid_add_moment(s, b, dt, g->x_start, s->f_ext, sum);
     return;
   }
-  add_moment(s, b, 0.5 * dt, g->x_start, g->f_start, sum);
-  add_moment(s, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
-  add_moment(s, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
+  lth_rigid_add_moment(s, b, 0.5 * dt, g->x_start, g->f_start, sum);
+  lth_rigid_add_moment(s, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
+  lth_rigid_add_moment(s, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
 }
 
 /// A turn takes away what the solution misses of L1 = L0 + moment of the external forces. Frozen rotations leave a
@@ -54,9 +44,9 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   double missing[3] = {0}, C[9], turn[3], det = 0;
   lth_rigid_inertia(s, b, g->x_hat, s->scratch, s->rhs, &inertia);
   lth_system_apply_body_mass(system, b, s->v, s->rhs);
-  add_moment(s, b, 1, g->x_start, s->rhs, missing);
+  lth_rigid_add_moment(s, b, 1, g->x_start, s->rhs, missing);
   lth_system_apply_body_mass(system, b, s->solution, s->rhs);
-  add_moment(s, b, -1, g->x_hat, s->rhs, missing);
+  lth_rigid_add_moment(s, b, -1, g->x_hat, s->rhs, missing);
   add_impulse(s, b, dt, missing);
 
   lth_m3_cofactor(inertia.tensor, C);

@@ -123,6 +123,15 @@ void lth_rigid_motion(const LthSimulation *s, LitheIndex b, const LthInertia *in
   if (k < 3) lth_disc_turn(system->bodies[b].disc, k, d + first, y + first);
 }
 
+void lth_rigid_add_moment(const LthSimulation *s, LitheIndex b, double weight, const double *x,
+                          const double *y, double sum[3]) {
+  const LitheCount first = s->system->dof_first[b], n = s->system->dof_first[b + 1] - first;
+  for (int k = 0; k < 3; k++) { // e_k . (x x y) = (e_k x x) . y
+    lth_disc_turn(s->system->bodies[b].disc, k, x + first, s->u + first);
+    sum[k] += weight * lth_dot(1, n, s->u + first, y + first);
+  }
+}
+
 void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *motion,
                        double *momentum, LthInertia *inertia) {
   const LitheCount first = s->system->dof_first[b], n = s->system->dof_first[b + 1] - first;
