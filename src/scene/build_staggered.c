@@ -286,7 +286,8 @@ static LitheStatus build_disc(LitheCtx *ctx, LthBody *body, const LthMaterialFie
                          .model = body->def->materials[0].material.model,
                          .formulation = choose_formulation(body),
                          .holds = s->holds,
-                         .n_holds = s->n_holds};
+                         .n_holds = s->n_holds,
+                         .filled = s->filled};
   return blame(ctx, body, "method", lth_staggered_create(ctx, &def, &body->disc));
 }
 

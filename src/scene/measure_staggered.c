@@ -6,9 +6,9 @@
 #define HALF                                                                                       \
   0.5 // cells that are less full have stresses that say little of the material beside them
 
-/// Is corner q of a cell one of its material? That part is at least half full.
+/// Is corner q of a cell in or on its material? That part is full, but for rounding.
 static bool has_corner(const LthBody *body, LitheCount slot, int q) {
-  return lth_fractions_part(body->staggered->fractions, slot, q) >= HALF;
+  return lth_fractions_part(body->staggered->fractions, slot, q) > 1 - 1e-9;
 }
 
 /// Largest |u| at those corners of a cell that are of its material.

@@ -48,6 +48,11 @@ static LitheStatus read_constraint(LthReader *r, const LthNode *node, const LthS
   read_prescribed(r, node, c->is_position ? "position" : "displacement", c);
   c->strong = lth_read_word(node, "enforce", enforcements) == 1 || is_strong_unsaid(node, body, c);
   c->interior = lth_read_flag(node, "interior");
+  LthNode *enforce = lth_node_find(node, "enforce");
+  if (enforce && !enforce->is_default && body->method_kind == LTH_METHOD_STAGGERED)
+    lth_report_key(r->report, enforce,
+                   "it is of elements, got it with `kind: staggered`, which holds unknowns; leave "
+                   "it out");
   if (c->interior && c->normal_only)
     lth_report(r->report, lth_node_find(node, "interior"),
                "a roller is of the boundary, got true; expected false, or components beside it");

@@ -41,6 +41,12 @@ static void read_penalty(const LthNode *node, LthSceneBody *body) {
   body->eta = node->kind == LTH_NODE_MAP ? lth_read_number(node, "eta", 1) : node->value.constant;
 }
 
+/// A staggered body made from an image has its voxels.
+static bool has_voxels(const LthReader *r, const LthNode *node) {
+  return (r->image || r->image_is_missing) &&
+         lth_node_is_text(lth_node_find(node, "kind"), "staggered");
+}
+
 /// Exactly one of these, but none where the mesh is a file's.
 static void check_resolution(LthReader *r, const LthNode *node) {
   static const char *const keys[] = {"cells", "cell_size", "grid"};
@@ -66,7 +72,7 @@ static void check_resolution(LthReader *r, const LthNode *node) {
   }
   for (const LthNode *child = node->first; child; child = child->next)
     has_bad_key = has_bad_key || child->bad;
-  if (found || has_bad_key || lth_method_has_file(node)) return;
+  if (found || has_bad_key || lth_method_has_file(node) || has_voxels(r, node)) return;
   lth_report(r->report, node, "incomplete, got %s; expected exactly one of cells, cell_size, grid",
              node->n_children ? "none of the keys it needs" : "an empty mapping");
 }
@@ -128,6 +134,11 @@ static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body
     lth_report_key(r->report, mesh,
                    "a staggered grid has no mesh, got %s; expected cells, cell_size or grid alone",
                    lth_show(r->arena, mesh));
+  static const char *const others[] = {"degree", "flux", "penalty", "sliver", "element"};
+  for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    if (is_given(node, others[i]))
+      lth_report_key(r->report, lth_node_find(node, others[i]),
+                     "it is of elements, got %s with `kind: staggered`; leave it out", others[i]);
 }
 
 static void check_dimension(LthReader *r, const LthNode *node, const LthSceneBody *body) {

@@ -36,6 +36,7 @@ typedef struct LthStaggeredDef {
   LthFormulation formulation;
   const LthStaggeredHold *holds; ///< borrowed for life                          (n_holds)
   LitheIndex n_holds;
+  const float *filled;   ///< fractions of cells before held sides became full (n_slots), NULL: none did
   double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
 } LthStaggeredDef;
 
@@ -60,6 +61,7 @@ typedef struct LthStaggered {
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
+  const float *filled; ///< as in the definition
   double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
   double *partial;      ///< scratch of sums                           (grid->n_blocks)
   LthBoundarySum *sums; ///< scratch of loads                          (grid->n_blocks)

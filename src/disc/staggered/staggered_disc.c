@@ -116,6 +116,7 @@ static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s)
   s->formulation = def->formulation;
   s->holds = def->holds;
   s->n_holds = def->n_holds;
+  s->filled = def->filled;
 }
 
 static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {

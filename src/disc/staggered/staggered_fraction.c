@@ -39,3 +39,14 @@ void lth_staggered_visit(const LthStaggered *s,
     }
   }
 }
+
+double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
+                               int a) {
+  double all = lth_staggered_face_fraction(s, slot, stride, a), own = 0;
+  if (!s->filled || !(all > 0) || s->level.state[a][*slot] != LTH_UNKNOWN_HELD) return 1;
+  for (int side = 0; side < 2; side++) {
+    LitheCount cell = slot[side ? -stride[a] : 0];
+    own += cell < 0 ? 0 : 0.5 * (double)s->filled[cell];
+  }
+  return fmin(1, own / all);
+}

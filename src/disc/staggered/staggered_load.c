@@ -28,7 +28,9 @@ static void visit_body_force(const LthStaggered *s, LitheIndex func, const Lithe
   for (int a = 0; a < s->dim; a++) {
     if (!lth_staggered_slot_alive(s, a, *slot)) continue;
     lth_staggered_place(s, func, a, at);
-    l->f[3 * (LitheCount)func + a] += volume * lth_staggered_face_fraction(s, slot, stride, a) *
+    double share = lth_staggered_own_share(s, slot, stride, a);
+    l->f[3 * (LitheCount)func + a] += volume * share *
+                                      lth_staggered_face_fraction(s, slot, stride, a) *
                                       lth_value_at(&l->load->value[a], at, l->t);
   }
 }

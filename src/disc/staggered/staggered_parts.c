@@ -14,6 +14,21 @@ static void unite_cell(const LthStaggered *s, LitheCount slot, LitheIndex *part_
   }
 }
 
+/// A held unknown that no live cell touches hangs on shear samples: it joins those across.
+static void unite_held(const LthStaggered *s, LitheIndex i, LitheIndex *part_of) {
+  LitheCount slot = s->slot[i];
+  for (int a = 0; a < s->dim; a++) {
+    if (s->level.state[a][slot] != LTH_UNKNOWN_HELD) continue;
+    for (int k = 0; k < 2 * s->dim; k++) {
+      int d[3] = {0};
+      d[k / 2] = k % 2 ? -1 : 1;
+      LitheCount other = k / 2 == a ? -1 : lth_sparse_grid_step(s->grid, slot, d);
+      if (other >= 0 && s->func[other] >= 0 && lth_staggered_slot_alive(s, a, other))
+        lth_sets_unite(part_of, i, s->func[other]);
+    }
+  }
+}
+
 /// A function of which only the high faces of other cells are alive joins through them; two of these may be of two
 /// parts that touch at an edge, which then count as one.
 LitheIndex lth_staggered_parts(const LthDisc *disc, LitheIndex *part_of) {
@@ -21,6 +36,7 @@ LitheIndex lth_staggered_parts(const LthDisc *disc, LitheIndex *part_of) {
   LitheIndex n = 0;
   lth_sets_reset(part_of, disc->n_rows);
   for (LitheIndex c = 0; c < disc->n_cells; c++) unite_cell(s, s->cell_slot[c], part_of);
+  for (LitheIndex i = 0; i < disc->n_rows; i++) unite_held(s, i, part_of);
   for (LitheIndex i = 0; i < disc->n_rows; i++) part_of[i] = lth_sets_root(part_of, i);
   for (LitheIndex i = 0; i < disc->n_rows; i++)
     part_of[i] = part_of[i] == i ? n++ : part_of[part_of[i]];
