@@ -33,7 +33,7 @@ static void finds_all_errors_in_one_run(void **state) {
                 "a number > -1 and "
                 "<= 0.5",
                 "s.yaml:6:21: bodies.0.method.cells: out of range, got \"0\"; expected an integer "
-                ">= 1 and <= 1000",
+                ">= 1 and <= 100000",
                 "s.yaml:6:30: bodies.0.method.flux: unknown word, got \"ipp\"; expected ip or bz, "
                 "did you mean ip?",
                 "s.yaml:6:43: bodies.0.method.degree: out of range, got \"5\"; expected an integer "
