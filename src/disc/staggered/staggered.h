@@ -40,6 +40,8 @@ typedef struct LthStaggeredDef {
   double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
 } LthStaggeredDef;
 
+typedef struct LthMixedState LthMixedState;
+
 /// Immutable but for the state of the linearisation that update_rotations() keeps.
 typedef struct LthStaggered {
   LthDisc disc; ///< disc.self is this struct; disc.mesh is NULL
@@ -70,6 +72,7 @@ typedef struct LthStaggered {
 
   uint8_t *held;    ///< per unknown: held by a constraint, or dead                  (n_dofs)
   LitheIndex *hold; ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
+  LthMixedState *mixed; ///< of the mixed form (staggered_mixed_state.c), or NULL
   void *nonlinear;  ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
   void *solver;     ///< of matrix-free solves (staggered_solver.c), or NULL
 } LthStaggered;

@@ -175,6 +175,7 @@ void lth_staggered_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *
   lth_block_matrix_apply(K, lth_threads(s->ctx), f0,
                          s->f0); // the same sums as in K x: nothing is left at rest
   memcpy(f0, s->f0, sizeof *f0 * (size_t)disc->n_dofs);
+  lth_mixed_add_force(s, -1, f0);
 }
 
 void lth_staggered_assemble_load(LthDisc *disc, double t, double *f0) {
@@ -184,4 +185,5 @@ void lth_staggered_assemble_load(LthDisc *disc, double t, double *f0) {
     memcpy(f0, s->f0, sizeof *f0 * (size_t)disc->n_dofs);
   else
     lth_staggered_visit(s, visit_load, f0);
+  lth_mixed_add_force(s, -1, f0);
 }

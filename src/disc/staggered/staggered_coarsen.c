@@ -35,6 +35,8 @@ done:
 void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *l) {
   lth_free(ctx, l->lambda);
   lth_free(ctx, l->mu);
+  lth_free(ctx, l->volume);
+  lth_free(ctx, l->compliance);
   for (int a = 0; a < 3; a++) {
     lth_free(ctx, l->shear[a]);
     lth_free(ctx, l->mass[a]);
@@ -123,6 +125,25 @@ static double box_mean(const LthSparseGrid *fine, const double *v, const LitheIn
   return sum / (fine->dim == 3 ? 8 : 4);
 }
 
+/// Compliance of a coarse cell whose pressure stands for pressures in proportion to the stiffness of finer cells:
+/// one that jumps with mu would otherwise be thrown onto the soft side.
+static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredLevel *coarse,
+                              const LitheIndex cell[3], LitheCount to) {
+  LitheIndex low[3], high[3];
+  const double mu = coarse->volume[to] > 0 ? coarse->mu[to] / coarse->volume[to] : 1;
+  double sum = 0;
+  fine_box(fine->grid->dim, cell, 0, low, high);
+  for (LitheIndex k = low[2]; k <= high[2]; k++)
+    for (LitheIndex j = low[1]; j <= high[1]; j++)
+      for (LitheIndex i = low[0]; i <= high[0]; i++) {
+        LitheCount s = lth_slot_of(fine->grid, i, j, k);
+        if (s < 0 || !(fine->volume[s] > 0)) continue;
+        double part = fine->mu[s] / fine->volume[s] / mu;
+        sum += part * part * fine->compliance[s];
+      }
+  return sum / (fine->grid->dim == 3 ? 8 : 4);
+}
+
 /// Mass of a coarse face: fine faces in it, and half of those a fine cell to both sides.
 static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   static const double along[3] = {0.25, 0.5, 0.25};
@@ -159,6 +180,8 @@ static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coars
   lth_cell_of(coarse->grid, s, cell);
   coarse->lambda[s] = box_mean(g, fine->lambda, cell, 0);
   coarse->mu[s] = box_mean(g, fine->mu, cell, 0);
+  if (fine->volume) coarse->volume[s] = box_mean(g, fine->volume, cell, 0);
+  if (fine->volume) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
     if (coarse->shear[e]) coarse->shear[e][s] = box_mean(g, fine->mu, cell, 7 & ~(1 << e));
   for (int a = 0; a < g->dim; a++) {
@@ -212,13 +235,16 @@ LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *l) {
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse) {
   LITHE_TRY(coarse_grid(ctx, fine, grid));
-  LitheStatus status = lth_staggered_level_alloc(ctx, *grid, coarse);
-  if (status != LITHE_OK) {
-    lth_sparse_grid_destroy(ctx, grid);
-    return status;
-  }
+  LitheStatus status = LITHE_OK;
+  LITHE_TRY_OR(fail, lth_staggered_level_alloc(ctx, *grid, coarse));
+  if (fine->volume) LTH_NEW_OR(fail, ctx, coarse->volume, (*grid)->n_slots);
+  if (fine->volume) LTH_NEW_OR(fail, ctx, coarse->compliance, (*grid)->n_slots);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount s = 0; s < coarse->grid->n_slots; s++) average_slot(fine, coarse, s);
   lth_staggered_rule_a(ctx, coarse);
   return LITHE_OK;
+fail:
+  lth_staggered_level_free(ctx, coarse);
+  lth_sparse_grid_destroy(ctx, grid);
+  return status;
 }

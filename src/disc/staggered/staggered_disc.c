@@ -5,17 +5,17 @@
 
 static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
-  lth_free(ctx, s->level.compliance);
+  lth_mixed_state_destroy(ctx, s);
+  s->level.volume = NULL; // that of s
   lth_staggered_level_free(ctx, &s->level);
   void *blocks[] = {s->volume, s->func,    s->slot, s->cell,   s->cell_slot, s->held, s->hold,
                     s->f0,     s->partial, s->sums, s->degree, s->row_func,  s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
 }
 
-/// Rotations do not exist in a linear body.
+/// Rotations do not exist in a linear body; pressures of nu = 0.5 follow.
 static void update_rotations(LthDisc *disc, const double *x) {
-  (void)disc;
-  (void)x;
+  lth_mixed_state_linearise(lth_staggered_of(disc), x);
 }
 
 /// Constraints hold unknowns; none is weak.
@@ -47,6 +47,7 @@ static const LthDiscTable table = {.name = "staggered",
                                    .add_gravity = lth_staggered_add_gravity,
                                    .reactions = reactions,
                                    .stress = lth_staggered_stress,
+                                   .archive = lth_mixed_state_archive,
                                    .destroy = destroy};
 
 void lth_staggered_slot_place(const LthStaggered *s, LitheCount slot, int a, double x[3]) {
@@ -138,7 +139,8 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   lth_staggered_drop_unread(s);
   LITHE_TRY(number(ctx, s));
   LITHE_TRY(describe(ctx, s));
-  return lth_staggered_build_holds(ctx, s);
+  LITHE_TRY(lth_staggered_build_holds(ctx, s));
+  return lth_mixed_state_create(ctx, s);
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {

@@ -55,7 +55,7 @@ double lth_staggered_energy(LthDisc *disc, double t, const double *x) {
   }
   double sum = 0;
   for (LitheIndex block = 0; block < g->n_blocks; block++) sum += s->partial[block];
-  return sum * lth_sparse_grid_cell_volume(g);
+  return sum * lth_sparse_grid_cell_volume(g) + lth_mixed_energy(s, x);
 }
 
 /// The slots within one cell of a slot, as strides of a small halo of its own.
@@ -74,8 +74,9 @@ static void normal_stress(const LthStaggered *s, const LitheCount *slot, const d
                           double stress[3]) {
   double e[3], V = s->volume[*slot];
   double lambda = s->level.lambda[*slot] / V, mu = s->level.mu[*slot] / V;
+  double p = lth_mixed_pressure(s, *slot);
   normal_strain(s, slot, near_stride, x, e);
-  for (int a = 0; a < 3; a++) stress[a] = 2 * mu * e[a] + lambda * (e[0] + e[1] + e[2]);
+  for (int a = 0; a < 3; a++) stress[a] = 2 * mu * e[a] + lambda * (e[0] + e[1] + e[2]) + p;
 }
 
 /// Weight of what stands d half cells (one cell, that is 2, apart) from the cell's centre, at place r in

@@ -118,3 +118,18 @@ LitheStatus lth_staggered_project(LitheCtx *ctx, const LthDisc *disc,
 
 LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load,
                                    double t, const double *x, double *f);
+
+// staggered_mixed_state.c
+
+/// Pressures of the mixed form, where it is that.
+LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s);
+void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s);
+void lth_mixed_state_archive(LthDisc *disc, LthArchive *archive);
+/// Pressures as they belong to positions x (NULL: they stay).
+void lth_mixed_state_linearise(LthStaggered *s, const double *x);
+/// f += c B^T p over cells of nu = 0.5 [N].
+void lth_mixed_add_force(const LthStaggered *s, double c, double *f);
+/// Sum of |cell| V p tr e there [J].
+double lth_mixed_energy(const LthStaggered *s, const double *x);
+/// p of a cell, over what lambda tr e gives [Pa].
+double lth_mixed_pressure(const LthStaggered *s, LitheCount slot);

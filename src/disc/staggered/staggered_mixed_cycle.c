@@ -1,0 +1,67 @@
+/// Cycles of the mixed form over all levels, and what makes and frees these.
+#include "disc/staggered/staggered_mixed.h"
+
+#include <string.h>
+
+static LitheStatus create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm, double ck,
+                          LthMixedGrid *g) {
+  LITHE_TRY(lth_staggered_hierarchy_create(ctx, from, NULL, &g->hierarchy));
+  g->pre = g->post = 1;
+  for (int i = 0; i < g->hierarchy->n_levels; i++, g->n_levels++) {
+    LITHE_TRY(lth_mixed_level_create(ctx, &g->hierarchy->level[i], cm, ck, i > 0, &g->level[i]));
+    if (i > 0) LITHE_TRY(lth_mixed_link(ctx, &g->level[i - 1], &g->level[i]));
+  }
+  return lth_mixed_coarse_create(ctx, &g->level[g->n_levels - 1], &g->coarse);
+}
+
+LitheStatus lth_mixed_grid_create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm,
+                                  double ck, LthMixedGrid **grid) {
+  LTH_NEW(ctx, *grid, 1);
+  LitheStatus status = create(ctx, from, cm, ck, *grid);
+  if (status != LITHE_OK) lth_mixed_grid_destroy(ctx, grid);
+  return status;
+}
+
+void lth_mixed_grid_destroy(LitheCtx *ctx, LthMixedGrid **grid) {
+  if (!*grid) return;
+  lth_mixed_coarse_destroy(ctx, &(*grid)->coarse);
+  for (int i = 0; i < LTH_STAGGERED_MAX_LEVELS; i++) lth_mixed_level_free(ctx, &(*grid)->level[i]);
+  lth_staggered_hierarchy_destroy(ctx, &(*grid)->hierarchy);
+  lth_free(ctx, *grid);
+  *grid = NULL;
+}
+
+static void restrict_residual(LthMixedGrid *g, int i, int threads) {
+  LthMixedLevel *l = &g->level[i];
+  lth_mixed_residual(l, threads, l->b, l->x, l->r);
+  lth_mixed_restrict(l, &g->level[i + 1], threads);
+}
+
+/// A V-cycle from level i's x.
+static LitheStatus descend(LitheCtx *ctx, LthMixedGrid *g, int i) {
+  const int threads = lth_threads(ctx);
+  LthMixedLevel *l = &g->level[i];
+  if (i == g->n_levels - 1) return lth_mixed_coarse_solve(ctx, g->coarse, l);
+  for (int k = 0; k < g->pre; k++) lth_mixed_smooth(l, threads);
+  restrict_residual(g, i, threads);
+  LthMixedLevel *next = &g->level[i + 1];
+  memset(next->x, 0, sizeof *next->x * (size_t)lth_mixed_size(next));
+  LITHE_TRY(descend(ctx, g, i + 1));
+  lth_mixed_prolong(l, next, threads);
+  for (int k = 0; k < g->post; k++) lth_mixed_smooth(l, threads);
+  return LITHE_OK;
+}
+
+LitheStatus lth_mixed_cycle(LitheCtx *ctx, LthMixedGrid *g, bool full) {
+  int first = full ? g->n_levels - 1 : 0;
+  for (int i = 0; i <= first; i++) {
+    LthMixedLevel *l = &g->level[i];
+    memset(l->x, 0, sizeof *l->x * (size_t)lth_mixed_size(l));
+    if (i < first) restrict_residual(g, i, lth_threads(ctx));
+  }
+  for (int i = first; i >= 0; i--) {
+    if (i < first) lth_mixed_prolong(&g->level[i], &g->level[i + 1], lth_threads(ctx));
+    LITHE_TRY(descend(ctx, g, i));
+  }
+  return LITHE_OK;
+}
