@@ -1,4 +1,5 @@
 /// Building and freeing the staggered discretisation, and its table.
+#include "disc/staggered/staggered_loose.h"
 #include "disc/staggered/staggered_priv.h"
 
 #define LEAST_FRACTION 1e-4
@@ -75,9 +76,10 @@ static LitheStatus number(LitheCtx *ctx, LthStaggered *s) {
     n_cells += live;
   }
   if (n_cells == 0)
-    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-               "no cell of the grid is filled: the shape is thinner than the cells or lies "
-               "beside them; use smaller cells");
+    LITHE_FAIL(
+        ctx, LITHE_BAD_INPUT,
+        "nothing of the body is left on the grid: the shape is thinner than two cells or lies "
+        "beside them; use smaller cells");
   if (n_funcs > INT32_MAX / 3)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "%lld unknowns are too many for one body",
                (long long)(3 * n_funcs));
@@ -120,6 +122,27 @@ static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s)
   s->filled = def->filled;
 }
 
+/// Rule A, and no cell that hangs loose.
+static LitheStatus settle(LitheCtx *ctx, LthStaggered *s) {
+  LthLoose loose;
+  lth_staggered_rule_a(ctx, &s->level);
+  LITHE_TRY(lth_staggered_drop_loose(ctx, &s->level, &loose));
+  lth_staggered_drop_unread(s);
+  double whole = 0, left = 0;
+  for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
+    whole += s->volume[slot];
+    if (!lth_staggered_is_live(&s->level, slot)) s->volume[slot] = 0;
+    left += s->volume[slot];
+  }
+  if (loose.n_cells > 0)
+    lth_warn(ctx,
+             "%lld cells (%.2g %% of the body) are left out: they hang on by features thinner than "
+             "two cells, as near (%g, %g, %g); smaller cells would resolve these",
+             (long long)loose.n_cells, 100 * (whole - left) / whole, loose.place[0], loose.place[1],
+             loose.place[2]);
+  return LITHE_OK;
+}
+
 static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
   copy_def(ctx, def, s);
   LITHE_TRY(lth_staggered_level_alloc(ctx, s->grid, &s->level));
@@ -135,8 +158,7 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(
       lth_staggered_weigh(ctx, s, def->least_fraction > 0 ? def->least_fraction : LEAST_FRACTION));
   lth_staggered_mark_held(s);
-  lth_staggered_rule_a(ctx, &s->level);
-  lth_staggered_drop_unread(s);
+  LITHE_TRY(settle(ctx, s));
   LITHE_TRY(number(ctx, s));
   LITHE_TRY(describe(ctx, s));
   LITHE_TRY(lth_staggered_build_holds(ctx, s));

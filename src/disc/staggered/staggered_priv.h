@@ -38,13 +38,14 @@ static inline bool lth_staggered_slot_alive(const LthStaggered *s, int a, LitheC
 
 /// Fractions of the boxes around the low face across axis a, and around the low edge along axis e, of the cell at
 /// slot[0]; the slots around it are at strides, as in a halo.
-/// Part of what is around a held unknown that is the solid's own: held sides are full, but have no weight.
-double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
-                               int a);
 double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot,
                                    const int stride[3], int a);
 double lth_staggered_edge_fraction(const LthStaggered *s, const LitheCount *slot,
                                    const int stride[3], int e);
+
+/// Part of what is around a held unknown that is the solid's own: held sides are full, but have no weight.
+double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
+                               int a);
 
 /// Call `visit` for every function with the slots around its own, on all threads.
 void lth_staggered_visit(const LthStaggered *s,
