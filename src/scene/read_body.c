@@ -153,6 +153,7 @@ static LitheStatus read_body(LthReader *r, const LthNode *node, LthSceneBody *bo
   LITHE_TRY(read_body_elements(r, lth_node_get(node, "method"), &place, body));
   LITHE_TRY(lth_read_material(r, lth_node_get(node, "material"), body));
   LITHE_TRY(lth_read_constraints(r, lth_node_get(node, "constraints"), body));
+  LITHE_TRY(lth_read_islands(r, lth_node_find(node, "shape"), body));
   LITHE_TRY(lth_read_loads(r, lth_node_get(node, "loads"), body));
   const LthNode *initial = lth_node_get(node, "initial");
   lth_read_values(initial, "velocity", body->initial_velocity);

@@ -9,8 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define ISLANDS_TOLD 5
-
 LitheStatus lth_own_volume(LthReader *r, LthVolume *volume) {
   LthSceneOwned *owned = r->owned;
   LitheStatus status = lth_reserve_(r->ctx, (void **)&owned->volumes, &owned->cap_volumes,
@@ -94,44 +92,6 @@ static LitheStatus read_volume(LthReader *r, const LthNode *node, const LthPlace
   return blame(r, file, status);
 }
 
-/// Sizes of the islands in a few words: "120, 40 and 3 more".
-static void tell_islands(LthReader *r, const LthNode *node, const LthImage *m, bool is_dropped) {
-  const char *list = NULL;
-  LitheCount all = 0;
-  for (LitheIndex i = 0; i < m->n_islands; i++) {
-    all += m->island_size[i];
-    if (i >= ISLANDS_TOLD) continue;
-    list = list ? lth_arena_print(r->arena, "%s, %lld", list, (long long)m->island_size[i])
-                : lth_arena_print(r->arena, "%lld", (long long)m->island_size[i]);
-  }
-  const char *more = m->n_islands > ISLANDS_TOLD ? ", ..." : "";
-  if (is_dropped)
-    lth_warn(r->ctx, "%s: it shows %d islands of %s%s voxels; only the largest is kept",
-             lth_read_text(node, "file"), m->n_islands, list ? list : "", more);
-  else
-    lth_warn(r->ctx,
-             "%s: it shows %d islands of %s%s voxels (%lld in all), which nothing joins; "
-             "`islands: keep-largest` leaves all but one out",
-             lth_read_text(node, "file"), m->n_islands, list ? list : "", more, (long long)all);
-}
-
-static LitheStatus settle_islands(LthReader *r, const LthNode *node, LthImage *m) {
-  static const char *const words[] = {"report", "keep-largest", NULL};
-  bool *keep = NULL;
-  if (m->n_islands < 2) return LITHE_OK;
-  bool keeps_largest = lth_read_word(node, "islands", words) == 1;
-  tell_islands(r, node, m, keeps_largest);
-  if (!keeps_largest) return LITHE_OK;
-  LTH_NEW(r->ctx, keep, m->n_islands);
-  LitheIndex largest = 0;
-  for (LitheIndex i = 1; i < m->n_islands; i++)
-    if (m->island_size[i] > m->island_size[largest]) largest = i;
-  keep[largest] = true;
-  lth_image_drop(m, keep);
-  lth_free(r->ctx, keep);
-  return LITHE_OK;
-}
-
 /// Labels of the list; NULL where there is none.
 static const double *read_labels(LthReader *r, const LthNode *list, LitheIndex *n) {
   *n = 0;
@@ -152,7 +112,7 @@ static LitheStatus select_voxels(LthReader *r, const LthNode *node, const LthVol
                        lth_read_number(node, "smooth", 0), image);
   if (status != LITHE_OK) return blame(r, list ? list : threshold ? threshold : node, status);
   LITHE_TRY(lth_own_image(r, *image));
-  return settle_islands(r, node, *image);
+  return lth_settle_islands(r, node, *image);
 }
 
 LitheStatus lth_read_image(LthReader *r, const LthNode *node, const LthPlacement *place,

@@ -101,6 +101,10 @@ void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const d
 /// The shape of the map with `file`; a ball where that could not be read, and it has been reported.
 LitheStatus lth_read_image(LthReader *r, const LthNode *node, const LthPlacement *place,
                            LthShape *shape);
+/// Islands of an image (read_islands.c): what they are is told, or all but the largest left out.
+LitheStatus lth_settle_islands(LthReader *r, const LthNode *image, LthImage *m);
+/// `islands: remove-free`, once the body's constraints are read: `shape` is the node behind body->shape, or NULL.
+LitheStatus lth_read_islands(LthReader *r, const LthNode *shape, const LthSceneBody *body);
 /// `where: {label: k}` in a body made from an image.
 LitheStatus lth_read_image_label(LthReader *r, const LthNode *node, LthWhere *where);
 /// Let `value` and `label` in an expression mean the present body's image; reported where it has none.

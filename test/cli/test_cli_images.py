@@ -92,6 +92,17 @@ with folder() as d:
     expect("all_but_the_largest_can_be_left_out", got.returncode == 0 and "only the largest is kept" in
            got.stderr + got.stdout, got.stderr + got.stdout)
 
+    got = reads(d, "bodies.0.shape.image={file: block.nii.gz, threshold: 0.5, islands: remove-free}",
+                "bodies.0.material={young_modulus: 1, poisson_ratio: 0, density: 1}",
+                "bodies.0.constraints.0.where={label: 2}")
+    expect("islands_that_nothing_holds_can_be_left_out", got.returncode == 0 and
+           "1 of 2 islands (1 voxels, 1 in all) are held by no constraint" in got.stderr + got.stdout,
+           got.stderr + got.stdout)
+    got = reads(d, "bodies.0.shape.image={file: block.nii.gz, threshold: 0.5, islands: remove-free}",
+                "bodies.0.material={young_modulus: 1, poisson_ratio: 0, density: 1}", "bodies.0.constraints=[]")
+    expect("one_island_has_to_be_held", got.returncode == 2 and "no constraint holds any of the 2 islands" in got.stderr,
+           got.stderr)
+
     for name, change, says in (
             ("a_threshold_out_of_range_says_the_range", "bodies.0.shape.image={file: block.nii.gz, threshold: 9}",
              "image.threshold: no voxel is above the threshold of 9: values are from 0 to 3"),
