@@ -40,13 +40,27 @@ void lth_staggered_visit(const LthStaggered *s,
   }
 }
 
+/// Fraction of a cell as it is now, with its held sides.
+static double cell_fraction(const LthStaggered *s, LitheCount slot) {
+  double sum = 0;
+  for (int q = 0; q < s->fractions->n_parts; q++) sum += lth_fractions_part(s->fractions, slot, q);
+  return sum / s->fractions->n_parts;
+}
+
 double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
                                int a) {
-  double all = lth_staggered_face_fraction(s, slot, stride, a), own = 0;
-  if (!s->filled || !(all > 0) || s->level.state[a][*slot] != LTH_UNKNOWN_HELD) return 1;
+  double own = 0, all = 0, x[3];
+  if (!s->filled) return 1;
   for (int side = 0; side < 2; side++) {
     LitheCount cell = slot[side ? -stride[a] : 0];
-    own += cell < 0 ? 0 : 0.5 * (double)s->filled[cell];
+    if (cell < 0) continue;
+    own += (double)s->filled[cell];
+    all += cell_fraction(s, cell);
   }
-  return fmin(1, own / all);
+  if (all <= own + 1e-6) return 1;
+  if (s->level.state[a][*slot] != LTH_UNKNOWN_HELD) {
+    lth_staggered_slot_place(s, *slot, a, x);
+    if (!s->shape || lth_shape_value(s->shape, x) <= 0) return 1;
+  }
+  return own / all;
 }

@@ -43,7 +43,8 @@ double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot
 double lth_staggered_edge_fraction(const LthStaggered *s, const LitheCount *slot,
                                    const int stride[3], int e);
 
-/// Part of what is around a held unknown that is the solid's own: held sides are full, but have no weight.
+/// Part of what is around an unknown that is the solid's own: held sides are full, but have no weight on unknowns that are
+/// held or beyond the surface. (Free ones inside of it take the load of their whole box, as in the interior.)
 double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
                                int a);
 
