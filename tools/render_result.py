@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Renders frames of a result side by side into one picture, off-screen, with VTK (python3-vtk9).
 
-usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut] ...
+usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut|grid] ...
 Needs a display: without one, put `xvfb-run -a` in front.
 
 surface: the embedded surface (surface.obj + surface.pc2); elements: the polyhedra of fields_*.vtu;
 cut: the polyhedra in front of the middle left away; shrunk elements show that they are separate.
+grid: cells of fields_*.vti that are more than half full, moved by their displacement (times --warp), in space or in the plane.
 """
 import argparse
 import glob
@@ -103,6 +104,41 @@ def faces_of(grid, centers, keep, shrink):
     return data
 
 
+def read_grid(folder, frame, warp):
+    """Cells more than half full of an image, warped; their outer faces, or in the plane the cells themselves."""
+    files = sorted(glob.glob(os.path.join(folder, "*fields_*.vti")))
+    all_bodies = vtk.vtkAppendPolyData()
+    n_frames = len([f for f in files if f.rsplit("_", 1)[0] == files[0].rsplit("_", 1)[0]])
+    for file in [f for f in files if f.endswith("_%04d.vti" % (frame % n_frames))]:
+        reader = vtk.vtkXMLImageDataReader()
+        reader.SetFileName(file)
+        full = vtk.vtkThreshold()
+        full.SetInputConnection(reader.GetOutputPort())
+        full.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_CELLS, "fraction")
+        full.SetThresholdFunction(vtk.vtkThreshold.THRESHOLD_UPPER)
+        full.SetUpperThreshold(0.5)
+        points = vtk.vtkCellDataToPointData()
+        points.SetInputConnection(full.GetOutputPort())
+        points.PassCellDataOn()
+        moved = vtk.vtkWarpVector()
+        moved.SetInputConnection(points.GetOutputPort())
+        moved.SetInputArrayToProcess(0, 0, 0, vtk.vtkDataObject.FIELD_ASSOCIATION_POINTS, "displacement")
+        moved.SetScaleFactor(warp)
+        faces = vtk.vtkGeometryFilter()
+        faces.SetInputConnection(moved.GetOutputPort())
+        faces.Update()
+        data = faces.GetOutput()
+        length = np.linalg.norm(vtk_to_numpy(data.GetCellData().GetArray("displacement")), axis=1)
+        data.GetPointData().Initialize()
+        data.GetCellData().RemoveArray("displacement")
+        array = numpy_to_vtk(length, deep=True)
+        array.SetName("displacement")
+        data.GetCellData().AddArray(array)
+        all_bodies.AddInputData(data)
+    all_bodies.Update()
+    return all_bodies.GetOutput()
+
+
 def colour_table():
     table = vtk.vtkColorTransferFunction()
     table.SetColorSpaceToLab()
@@ -159,7 +195,8 @@ def main():
     parser.add_argument("folder", help="one, or several with commas: side by side")
     parser.add_argument("picture")
     parser.add_argument("--frames", default="-1")
-    parser.add_argument("--what", default="surface", choices=("surface", "elements", "cut"))
+    parser.add_argument("--what", default="surface", choices=("surface", "elements", "cut", "grid"))
+    parser.add_argument("--warp", type=float, default=1, help="of grid: factor of the displacement")
     parser.add_argument("--colour", default="von_mises")
     parser.add_argument("--azimuth", type=float, default=25)
     parser.add_argument("--elevation", type=float, default=12)
@@ -173,6 +210,7 @@ def main():
     width, height = (int(x) for x in args.size.split("x"))
 
     parts = [read_surfaces(folder, f) if args.what == "surface" else
+             read_grid(folder, f, args.warp) if args.what == "grid" else
              read_elements(folder, f, args.shrink, args.what == "cut")
              for folder in args.folder.split(",") for f in frames]
     all_bounds = np.array([p.GetBounds() for p in parts])
