@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#define MARGIN 2          // cells: held sides may fill the first, whose neighbours are then needed
 #define SUPER 8           ///< blocks along the boxes that are asked first
 #define CELLS_MAX 1048576 ///< along an axis
 #define SNAP 1e-12        ///< of a part: rounding of what is empty or full
@@ -133,12 +134,12 @@ static uint16_t settle_cell(double *part, int n_parts) {
   return empty == n_parts ? LTH_CELL_EMPTY : full == n_parts ? LTH_CELL_FULL : LTH_CELL_CUT;
 }
 
-/// Neighbours of a block that its place `c` touches, also itself.
+/// Neighbours of a block within the margins of its place `c`, also itself.
 static uint32_t touched(const LthFractionFrame *f, LitheIndex c) {
   LitheIndex s = f->side, at[3] = {c % s, c / s % s, c / (s * s)};
   int low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
   uint32_t bits = 0;
-  for (int a = 0; a < f->dim; a++) low[a] = -(at[a] == 0), high[a] = at[a] == s - 1;
+  for (int a = 0; a < f->dim; a++) low[a] = -(at[a] < MARGIN), high[a] = at[a] >= s - MARGIN;
   for (int dz = low[2]; dz <= high[2]; dz++)
     for (int dy = low[1]; dy <= high[1]; dy++)
       for (int dx = low[0]; dx <= high[0]; dx++)
@@ -284,9 +285,10 @@ static LitheStatus make_grid(Builder *b, const uint8_t *wanted, LitheIndex shift
   LitheIndex n[3], blocks[3];
   for (int a = 0; a < 3; a++) {
     bool is_flat = a >= f->dim;
-    shift[a] = !is_flat && b->low[a] == 0;
+    shift[a] = !is_flat && b->low[a] < MARGIN;
     origin[a] = f->origin[a] - f->h[a] * f->side * shift[a];
-    n[a] = f->end_cell[a] + shift[a] * f->side + (!is_flat && b->high[a] == f->end_cell[a] - 1);
+    LitheIndex more = b->high[a] + MARGIN - (f->end_cell[a] - 1); // cells beyond the last
+    n[a] = f->end_cell[a] + shift[a] * f->side + (is_flat || more < 0 ? 0 : more);
     blocks[a] = lth_sparse_grid_blocks(f->dim, a, n[a]);
   }
   LTH_NEW(b->ctx, used, (LitheCount)blocks[0] * blocks[1] * blocks[2]);

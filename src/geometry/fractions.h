@@ -24,7 +24,7 @@ enum { LTH_CELL_EMPTY, LTH_CELL_FULL, LTH_CELL_CUT }; ///< LTH_CELL_CUT and abov
 /// parts (lth_fractions_cells() and so on), so they are those of one solid. Only cut cells keep parts.
 typedef struct LthFractions {
   LthSparseGrid *
-      grid; ///< owned. Every cell that holds something is in a block, and so are all its neighbours
+      grid; ///< owned. Every cell that holds something is in a block, and so are all within two cells of it
   int n_parts;    ///< 4 or 8
   uint16_t *cell; ///< EMPTY, FULL, or CUT + place among the cut cells of its block      (n_slots)
   LitheCount
@@ -34,7 +34,7 @@ typedef struct LthFractions {
 } LthFractions;
 
 /// Fractions of a prepared shape (lth_shape_prepare()) on a grid of n cells from origin on; what lies beyond it is cut
-/// off. The grid of the result has margins of one cell at least around all that is inside: its origin may
+/// off. The grid of the result has margins of two cells at least around all that is inside: its origin may
 /// lie before `origin` by whole blocks. In 2D the shape is met at z = 0.
 /// LITHE_BAD_INPUT: the shape lies beside the grid.
 LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
