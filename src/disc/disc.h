@@ -125,6 +125,9 @@ typedef struct LthDiscTable {
   void (*assemble_load)(LthDisc *disc, double t, double *f0); ///< f0 alone
   double (*energy)(LthDisc *disc, double t, const double *x);
 
+  /// Of bodies with a tangent: root mean square over cells of the change of the deformation gradient between states.
+  double (*gradient_change)(const LthDisc *disc, const double *from, const double *to);
+
   /// K += c M with the (consistent) mass; y = M v. `diagonal` (n_dofs): exact where the mass is diagonal,
   /// else lumped, for scales and preconditioners.
   void (*add_mass)(const LthDisc *disc, double c, LthBlockMatrix *K);
@@ -153,6 +156,9 @@ struct LthDisc {
       mesh; ///< polyhedra: the body's geometry, and whose cells the calls above mean; NULL: it has cells
             ///< of its own
   bool is_split; ///< the three components have functions of their own
+  /// Not linear, and no fixed point of rotations either: K x - f0 is the slope of energy() where update_rotations() was
+  /// last, and K its tangent with negative modes left out, or, where `is_exact` is set by who asks, all of it.
+  bool has_tangent, is_exact;
   LitheIndex n_cells;
   LitheIndex n_funcs, n_rows; ///< functions; block rows of the matrix
   LitheCount n_dofs;          ///< 3 n_funcs

@@ -88,9 +88,23 @@ static double fibres(const LthFinite *m, const double *F, double *P) {
   return psi;
 }
 
+/// v and G of a solid with loose shears.
+static double fibre_volume(const LthFinite *m, const double *F, double *G) {
+  const int dim = m->dim;
+  const bool adds = m->model == LTH_MATERIAL_COROTATED;
+  double l[3] = {1, 1, 1};
+  for (int a = 0; a < dim; a++) l[a] = sqrt(column_product(dim, F, a, a));
+  for (int a = 0; a < dim; a++) {
+    double slope = adds ? 1 : l[(a + 1) % 3] * l[(a + 2) % 3];
+    for (int k = 0; k < dim; k++) G[k * dim + a] = l[a] > 0 ? slope * F[k * dim + a] / l[a] : 0;
+  }
+  return adds ? l[0] + l[1] + l[2] - 3 : l[0] * l[1] * l[2] - 1;
+}
+
 /// v and G.
 static double volume(const LthFinite *m, const double *F, double *G) {
   const int dim = m->dim;
+  if (m->loose) return fibre_volume(m, F, G);
   if (m->model == LTH_MATERIAL_NEO_HOOKEAN) return lth_finite_cofactor(dim, F, G) - 1;
   double trace = -dim;
   lth_finite_rotation(dim, F, G);

@@ -15,8 +15,9 @@ typedef struct LthFinite {
   LthMaterialModel model; ///< corotated or neo-Hookean
   int dim;                ///< 2 (plane strain) or 3
   double mu;              ///< [Pa]
-  /// Shears that cost nothing: 1 yz, 2 zx, 4 xy (in the frame at rest). Where there are such, with f_a the columns of F,
-  ///   psi = mu sum_a (|f_a| - 1)^2 + mu/2 sum over the other shears of (f_a . f_b)^2
+  /// Shears that cost nothing: 1 yz, 2 zx, 4 xy (in the frame at rest). Where there are such, with l_a the lengths of the
+  /// columns f_a of F, psi = mu sum_a (l_a - 1)^2 + mu/2 sum over the other shears of (f_a . f_b)^2, and v is
+  /// sum_a (l_a - 1) or the product of the l_a less 1: the same for small strains at any rotation.
   unsigned loose;
 } LthFinite;
 

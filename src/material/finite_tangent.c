@@ -107,17 +107,33 @@ static void neo_hookean_tangent(const LthFinite *m, const Frame *f, double p, bo
   add_stretch_modes(f, m->mu, m->mu, c, definite, H);
 }
 
-/// H += d2 psi of columns: 2 mu ((1 - 1/l) I + f f^T / l^3).
-static void add_fibres(const LthFinite *m, const double *F, double *H) {
+/// Lengths and directions (columns of N) of the columns of F; 1 and 0 beyond dim.
+static void find_fibres(int d, const double *F, double l[3], double *N) {
+  for (int a = 0; a < 3; a++) {
+    double square = a < d ? 0 : 1;
+    for (int k = 0; k < d && a < d; k++) square += F[k * d + a] * F[k * d + a];
+    l[a] = fmax(sqrt(square), 1e-8);
+    for (int k = 0; k < d && a < d; k++) N[k * d + a] = F[k * d + a] / l[a];
+  }
+}
+
+/// H += d2 (psi of columns + p v): with n = f / l, that of l is (I - n n^T) / l.
+static void add_fibres(const LthFinite *m, const double *F, double p, double *H) {
   const int d = m->dim, n = d * d;
+  const bool adds = m->model == LTH_MATERIAL_COROTATED;
+  double l[3], N[9];
+  find_fibres(d, F, l, N);
   for (int a = 0; a < d; a++) {
-    double square = 0;
-    for (int k = 0; k < d; k++) square += F[k * d + a] * F[k * d + a];
-    double l = fmax(sqrt(square), 1e-8);
-    for (int i = 0; i < d; i++)
-      for (int j = 0; j < d; j++)
-        H[(i * d + a) * n + j * d + a] +=
-            2 * m->mu * ((i == j ? 1 - 1 / l : 0) + F[i * d + a] / l * (F[j * d + a] / l) / l);
+    double others = adds ? 1 : l[(a + 1) % 3] * l[(a + 2) % 3];
+    double across = 2 * m->mu * (l[a] - 1) + p * others; // slope of the energy by l
+    for (int b = 0; b < d; b++)
+      for (int i = 0; i < d; i++)
+        for (int j = 0; j < d; j++) {
+          double along = N[i * d + a] * N[j * d + b];
+          H[(i * d + a) * n + j * d + b] +=
+              a == b ? 2 * m->mu * along + across * ((i == j) - along) / l[a]
+                     : (adds ? 0 : p * l[3 - a - b] * along);
+        }
   }
 }
 
@@ -149,27 +165,22 @@ static void project(int n, double *H) {
   }
 }
 
-static void loose_tangent(const LthFinite *m, const double *F, const Frame *f, double p,
-                          bool definite, double *H) {
-  add_fibres(m, F, H);
+static void loose_tangent(const LthFinite *m, const double *F, double p, bool definite, double *H) {
+  add_fibres(m, F, p, H);
   for (int e = m->dim == 3 ? 0 : 2; e < 3; e++)
     if (!(m->loose >> e & 1)) add_bond(m, F, (e + 1) % 3, (e + 2) % 3, H);
-  if (m->model == LTH_MATERIAL_COROTATED) {
-    add_turning(f, p, -INFINITY, H);
-  } else {
-    add_plane_modes(f, 0, p, false, H);
-    add_stretch_modes(f, 0, 0, p, false, H);
-  }
-  if (definite) project(f->n, H);
+  if (definite) project(m->dim * m->dim, H);
 }
 
 void lth_finite_tangent(const LthFinite *m, const double *F, double p, bool definite, double *H) {
   Frame f = {.dim = m->dim, .n = m->dim * m->dim};
   memset(H, 0, sizeof *H * (size_t)(f.n * f.n));
+  if (m->loose) {
+    loose_tangent(m, F, p, definite, H);
+    return;
+  }
   lth_finite_frame(m->dim, F, f.U, f.s, f.V);
-  if (m->loose)
-    loose_tangent(m, F, &f, p, definite, H);
-  else if (m->model == LTH_MATERIAL_COROTATED)
+  if (m->model == LTH_MATERIAL_COROTATED)
     corotated_tangent(m, &f, p, definite, H);
   else
     neo_hookean_tangent(m, &f, p, definite, H);

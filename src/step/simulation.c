@@ -97,6 +97,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);
+  lth_newton_free(ctx, s->newton);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);
   lth_multilevel_destroy(ctx, &s->levels);

@@ -45,6 +45,9 @@ typedef struct LthInertia {
   double tensor[9]; // about the centre
 } LthInertia;
 
+/// Memory of Newton's method for equilibria (step_newton.c).
+typedef struct LthNewton LthNewton;
+
 // leading unknowns of a block row that span the linear functions: of dg's elements; a node of cg has three in all
 #define LTH_STEP_LINEAR 12
 
@@ -104,7 +107,8 @@ struct LthSimulation {
   LthStage stage;           // of dynamic steps
   double *start, *f_before; // equilibria: state and loads at the start, NULL until the first
   LthAnderson *anderson;
-  double *best; // and the state of the smallest residual
+  LthNewton *newton; // NULL until first needed
+  double *best;      // and the state of the smallest residual
 };
 
 /// y = A x with A as it stands: K after lth_step_assemble(), cm M + ck K after lth_step_combine().
@@ -199,6 +203,24 @@ void lth_stage_add_damped_load(LthSimulation *s, double weight, double t, const 
 
 /// Solve the stage for s->solution = v1 from the solution given. Leaves s->x anywhere.
 LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s);
+
+/// Whether Newton's method finds equilibria: all bodies that are not linear have tangents, and nothing touches. And
+/// whether forces have an energy.
+bool lth_newton_applies(const LthSimulation *s);
+bool lth_newton_has_energy(const LthSimulation *s);
+
+/// Equilibrium at time t from s->start = s->x at the last one, by loads that grow in steps where needed.
+LitheStatus lth_newton_equilibrium(LitheCtx *ctx, LthSimulation *s, double t, bool *balanced);
+void lth_newton_free(LitheCtx *ctx, LthNewton *newton);
+
+/// Size of the diagonal of K per mass [1/s^2], with A = K.
+double lth_step_stiffness_per_mass(const LthSimulation *s);
+
+/// Size of the forces that balance at s->x [N], `held` and `contact` among them.
+double lth_step_force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held, double contact);
+
+/// Residual that rounding of f_int leaves at s->x [N], with A = K. Overwrites s->base.
+double lth_step_rounding_of_forces(LitheCtx *ctx, LthSimulation *s);
 
 /// Which bodies are free, once; assembles for it.
 LitheStatus lth_rigid_find(LitheCtx *ctx, LthSimulation *s);

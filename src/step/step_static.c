@@ -32,8 +32,8 @@ typedef struct Search {
   bool best_touches;
 } Search;
 
-/// Size of the diagonal of K per mass [1/s^2]: what c is measured in.
-static double stiffness_per_mass(const LthSimulation *s) {
+// What c is measured in.
+double lth_step_stiffness_per_mass(const LthSimulation *s) {
   double stiffness = 0, mass = 0;
   lth_step_diagonal(s, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) {
@@ -53,7 +53,8 @@ static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, Search *q, dou
 
 /// The forces that balance: external ones, those that hold unknowns, and those that hold or stretch
 /// the body elsewhere (2 W / |u| is a lower bound of the inner forces' size).
-static double force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held, double contact) {
+double lth_step_force_scale(LitheCtx *ctx, LthSimulation *s, double t, double held,
+                            double contact) {
   double scale = fmax(fmax(lth_step_norm(ctx, s->n, s->f_ext), held), contact);
   double u = lth_step_norm(ctx, s->n, lth_simulation_displacement(s));
   if (u > 0) scale = fmax(scale, 2 * fabs(lth_system_energy(s->system, t, s->x)) / u);
@@ -104,7 +105,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   lth_system_zero_held(s->system, s->rhs);
   q->residual = lth_step_norm(ctx, s->n, s->rhs);
   double held = s->system->has_held ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
-  q->scale = force_scale(ctx, s, q->t, held, contact);
+  q->scale = lth_step_force_scale(ctx, s, q->t, held, contact);
   q->floor = ROUNDING * (lth_step_norm(ctx, s->n, s->f0) + contact);
   s->report.residual = q->scale > 0 ? q->residual / q->scale : q->residual;
   q->look = q->residual <= NEAR * q->scale ? LTH_LOOK_NEAR : LTH_LOOK_AGAIN;
@@ -114,7 +115,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
 /// Residual that rounding leaves [N]: the norm of |K| |x| + |f0|, which f_int is the difference of, times a few
 /// units. Places carry 16 digits, so that far from the origin, and where K is large (high degrees), no state
 /// is nearer to balance. Overwrites s->base.
-static double rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
+double lth_step_rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
   const LthBlockMatrix *A = s->A;
   if (s->own) { // of displacements: neighbours' entries sum up to the diagonal's
     const double *u = lth_simulation_displacement(s);
@@ -145,7 +146,7 @@ static bool is_balanced(LitheCtx *ctx, LthSimulation *s, Search *q) {
   if (q->residual <= s->options.newton_tolerance * q->scale || q->residual <= q->floor) return true;
   q->stalled = q->residual < 0.5 * q->lowest ? 0 : q->stalled + 1;
   q->lowest = fmin(q->lowest, q->residual);
-  return q->stalled >= STALLED_WINDOW && q->residual <= rounding_of_forces(ctx, s);
+  return q->stalled >= STALLED_WINDOW && q->residual <= lth_step_rounding_of_forces(ctx, s);
 }
 
 /// x += the solution of (c M + K) dx = force.
@@ -219,7 +220,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
       if (!(q->best < 0.5 * window_start)) return LITHE_OK;
       window_start = q->best;
     }
-    if (!plain && it == 0) q->damping = DAMPING_START * (unit = stiffness_per_mass(s));
+    if (!plain && it == 0) q->damping = DAMPING_START * (unit = lth_step_stiffness_per_mass(s));
     if (!plain && it > 0 && !back) adapt_damping(q, before, unit);
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LitheStatus status = correct(ctx, s, q, plain, inner);
@@ -278,7 +279,10 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   s->contact_stands = false;
   s->rigid.H = 0;
   LITHE_TRY(lth_step_choose(ctx, s, true));
-  LITHE_TRY(find_balance(ctx, s, &q, &balanced));
+  if (lth_newton_applies(s))
+    LITHE_TRY(lth_newton_equilibrium(ctx, s, t, &balanced));
+  else
+    LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   s->report.converged = before && balanced;
   lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
   double t0 = s->t;

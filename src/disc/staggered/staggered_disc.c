@@ -1,4 +1,5 @@
 /// Building and freeing the staggered discretisation, and its table.
+#include "disc/staggered/staggered_finite.h"
 #include "disc/staggered/staggered_loose.h"
 #include "disc/staggered/staggered_priv.h"
 
@@ -6,6 +7,7 @@
 
 static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
+  lth_staggered_finite_free(ctx, s);
   lth_mixed_state_destroy(ctx, s);
   s->level.volume = NULL; // that of s
   lth_staggered_level_free(ctx, &s->level);
@@ -162,14 +164,13 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(number(ctx, s));
   LITHE_TRY(describe(ctx, s));
   LITHE_TRY(lth_staggered_build_holds(ctx, s));
-  return lth_mixed_state_create(ctx, s);
+  LITHE_TRY(lth_mixed_state_create(ctx, s));
+  return s->model == LTH_MATERIAL_LINEAR ? LITHE_OK : lth_staggered_finite_attach(ctx, s);
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {
   LthStaggered *s = NULL;
   *disc = NULL;
-  if (def->model != LTH_MATERIAL_LINEAR)
-    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "staggered bodies take the linear material only");
   LTH_NEW(ctx, s, 1);
   *disc = &s->disc;
   LitheStatus status = build(ctx, def, s);
