@@ -102,7 +102,7 @@ LitheStatus lth_check_materials(LitheCtx *ctx, const LthSceneBody *def) {
   }
   if (first->model == LTH_MATERIAL_NEO_HOOKEAN && def->method_kind != LTH_METHOD_STAGGERED)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
-               "%s.material.model: neo-hookean is not built yet; use corotated or linear",
+               "%s.material.model: neo-hookean needs method staggered; use corotated or linear",
                def->place);
   return LITHE_OK;
 }

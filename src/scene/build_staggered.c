@@ -270,6 +270,7 @@ static LthFormulation choose_formulation(const LthBody *body) {
   double largest = -1;
   if (def->formulation == LTH_FORMULATION_MIXED) return LTH_FORM_MIXED;
   if (def->formulation == LTH_FORMULATION_DISPLACEMENT) return LTH_FORM_DISPLACEMENT;
+  if (def->materials[0].material.model != LTH_MATERIAL_LINEAR) return LTH_FORM_DISPLACEMENT;
   for (LitheIndex i = 0; i < def->n_materials; i++) {
     varies = varies || def->materials[i].material.poisson.eval;
     largest = fmax(largest, def->materials[i].material.poisson.constant);

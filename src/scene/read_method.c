@@ -208,7 +208,7 @@ static void check_poisson(LthReader *r, const LthNode *node, const LthSceneBody 
 
 static LitheStatus read_one(LthReader *r, const LthNode *node, const LthSceneBody *body,
                             LthSceneMaterial *out) {
-  static const char *const models[] = {"linear", "corotated", NULL};
+  static const char *const models[] = {"linear", "corotated", "neo-hookean", NULL};
   LthMaterial *m = &out->material;
   m->model = lth_node_get(node, "model") ? (LthMaterialModel)lth_read_word(node, "model", models)
                                          : LTH_MATERIAL_COROTATED;

@@ -71,10 +71,6 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("bodies.0.method.mesh=voxels",
                         "--set bodies.0.method.mesh=voxels: bodies.0.method.mesh: it is of `kind: "
                         "cg`, got \"voxels\"; expected slice, hexahedra or tetrahedra");
-  EXPECT_OVERRIDE_ERROR(
-      "bodies.0.material.model=neo-hookean",
-      "--set bodies.0.material.model=neo-hookean: bodies.0.material.model: " UNBUILT
-      "\"neo-hookean\"; available: linear or corotated");
   EXPECT_OVERRIDE_ERROR("cuts=[{at: 1}]",
                         "--set cuts=[{at: 1}]: cuts: " UNBUILT "a list of 1; leave it out");
   EXPECT_OVERRIDE_ERROR("adapt={h: {}}",

@@ -207,6 +207,8 @@ static void spin(Run *r, LthMaterialModel model, LthIntegrator integrator, doubl
   free(x);
 }
 
+// Faces as point masses have more inertia along their own axis, 1 + 2 h^2, than across, 1 - h^2: where the energy stays,
+// angular momentum grows with the root of the inertia, 3.0 % in a turn by one radian here.
 static void newmark_keeps_the_energy_of_a_spinning_body(void **state) {
   (void)state;
   for (int k = 0; k < 2; k++) {
@@ -223,8 +225,8 @@ static void newmark_keeps_the_energy_of_a_spinning_body(void **state) {
       drift = fmax(drift, fabs(report->angular_momentum[2] - L));
       strain = fmax(strain, report->strain_energy);
     }
-    printf("model %d E %g strain %g off %g; L %g drift %g its %d\n", k, E, strain, most, L, drift,
-           report->newton_iterations);
+    CHECK_AT_MOST(most, 5e-3 * strain);
+    CHECK_AT_MOST(drift, 0.03 * L);
     assert_true(report->converged);
     run_destroy(&r);
   }
