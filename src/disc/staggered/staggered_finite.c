@@ -69,12 +69,34 @@ static double gradient_change(const LthDisc *disc, const double *from, const dou
   return sqrt(sum / disc->n_cells);
 }
 
+/// Means of cells, linear from centre to centre among those that live around the place.
 static void stress(const LthDisc *disc, LitheIndex cell, const double *x, const double at[3],
                    double values[6]) {
-  LthFiniteCell c;
-  (void)at;
-  lth_finite_cell_read(disc->self, cell, x, &c);
-  lth_finite_cell_stress(&c, values);
+  const LthStaggered *s = disc->self;
+  const LthSparseGrid *g = s->grid;
+  LitheIndex place[3];
+  double r[3] = {0}, sum = 0;
+  lth_sparse_grid_cell(g, s->cell_slot[cell], place);
+  for (int a = 0; a < s->dim; a++)
+    r[a] = fmin(fmax((at[a] - g->origin[a]) / g->h[a] - place[a] - 0.5, -0.5), 0.5);
+  memset(values, 0, 6 * sizeof *values);
+  for (int k = 0; k < 1 << s->dim; k++) {
+    int d[3] = {0};
+    double w = 1, one[6];
+    for (int a = 0; a < s->dim; a++) {
+      bool beside = k >> a & 1;
+      d[a] = beside ? (r[a] < 0 ? -1 : 1) : 0;
+      w *= beside ? fabs(r[a]) : 1 - fabs(r[a]);
+    }
+    LitheCount slot = lth_sparse_grid_step(g, s->cell_slot[cell], d);
+    if (w == 0 || slot < 0 || s->cell[slot] < 0) continue;
+    LthFiniteCell c;
+    lth_finite_cell_read(s, s->cell[slot], x, &c);
+    lth_finite_cell_stress(&c, one);
+    for (int i = 0; i < 6; i++) values[i] += w * one[i];
+    sum += w;
+  }
+  for (int i = 0; i < 6 && sum > 0; i++) values[i] /= sum;
 }
 
 static LitheStatus build(LitheCtx *ctx, LthStaggered *s, LthStaggeredFinite *n) {
