@@ -4,12 +4,15 @@
 
 #include "base/tensor.h"
 #include "geometry/box_overlap.h"
+#include "geometry/wrap_local.h"
 
 #define MESHES_MAX 64
 #define HALVINGS 3      ///< of parts that two shapes pass through
 #define LEAF_HALVINGS 1 ///< of parts of shapes without a form
 #define LINES 6         ///< along the sides of the last boxes
 #define PLANES_MAX 16
+#define FLAT 0.95   ///< cosine between triangles that count as one plane
+#define BESIDE 1e-3 ///< of a box's size: where the sides of a triangle are asked
 
 /// A row of blocks while it is filled.
 typedef struct Exact {
@@ -112,24 +115,43 @@ static double samples_fraction(const LthProbe *p, const Box *box) {
   return (double)count / all;
 }
 
-/// Next to a triangle of a wrapped surface: its plane, and the answers on both sides of it.
-static double wrap_fraction(const LthProbe *p, const Box *box) {
+/// Where all triangles in the box are about in one plane, that plane is taken, by the answers on both sides of it.
+static bool wrap_plane(const LthWrapLocal *local, const Box *box, double *share) {
+  const LthBvh *tree = local->map->wrap->bvh;
   LthBvhPoint closest;
-  double reach = lth_v3_norm(box->half), away[3], side[2][3];
-  const LthBvh *tree = p->shape->wrap->bvh;
-  if (!lth_bvh_closest(tree, box->center, reach, NULL, NULL, &closest))
-    return samples_fraction(p, box);
-  lth_v3_copy(tree->tri_normal + 3 * (size_t)closest.tri, away);
+  double reach = lth_v3_norm(box->half), from[3], side[2][3];
+  if (local->n == 0 || !lth_bvh_closest(tree, box->center, reach, NULL, NULL, &closest))
+    return false;
+  const double *normal = tree->tri_normal + 3 * (size_t)closest.tri;
+  for (int i = 0; i < local->n; i++)
+    if (fabs(lth_v3_dot(tree->tri_normal + 3 * (size_t)local->tri[i], normal)) < FLAT) return false;
   for (int k = 0; k < 2; k++) {
     lth_v3_copy(closest.point, side[k]);
-    lth_v3_axpy((k ? 0.25 : -0.25) * reach, away, side[k]);
+    lth_v3_axpy((k ? BESIDE : -BESIDE) * reach, normal, side[k]);
   }
-  bool behind = lth_probe_inside(p, side[0]), before = lth_probe_inside(p, side[1]);
-  if (closest.part < 6 || behind == before) return samples_fraction(p, box);
-  double from[3];
+  bool behind = lth_wrap_local_inside(local, side[0]),
+       before = lth_wrap_local_inside(local, side[1]);
+  if (behind == before) return false;
   lth_v3_sub(box->center, closest.point, from);
-  double below = lth_box_overlap_plane(box->half, away, lth_v3_dot(from, away));
-  return behind ? below : 1 - below;
+  double below = lth_box_overlap_plane(box->half, normal, lth_v3_dot(from, normal));
+  *share = behind ? below : 1 - below;
+  return true;
+}
+
+/// A plane, or places one by one: many where one number is enough for all.
+static double wrap_fraction(const LthProbe *p, const Box *box) {
+  LthWrapLocal local;
+  double share, x[3];
+  lth_wrap_local_find(p->map, box->center, lth_v3_norm(box->half), &local);
+  if (wrap_plane(&local, box, &share)) return share;
+  int n = local.is_sure ? 8 : 4, count = 0;
+  for (int s = 0; s < n * n * n; s++) {
+    int place[3] = {s % n, s / n % n, s / (n * n)};
+    for (int a = 0; a < 3; a++)
+      x[a] = box->center[a] + box->half[a] * ((2 * place[a] + 1.0) / n - 1);
+    count += lth_wrap_local_inside(&local, x);
+  }
+  return (double)count / (n * n * n);
 }
 
 /// Piece q of the halves of a box.
@@ -182,10 +204,9 @@ static double leaf_fraction(const Exact *e, const LthProbe *p, const Box *box) {
   if (lth_box_overlap(s, low, high, &volume)) return volume / all;
   if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed && is_parallel(s->image->volume))
     return voxel_fraction(s->image, box);
-  if (s->kind == LTH_SHAPE_WRAP || (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed)) {
-    if (box->depth < LEAF_HALVINGS) return halved(e, p, box);
-    return s->kind == LTH_SHAPE_WRAP ? wrap_fraction(p, box) : samples_fraction(p, box);
-  }
+  if (s->kind == LTH_SHAPE_WRAP) return wrap_fraction(p, box);
+  if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed)
+    return box->depth < LEAF_HALVINGS ? halved(e, p, box) : samples_fraction(p, box);
   return level_fraction(p, box);
 }
 
@@ -360,7 +381,7 @@ LitheStatus lth_fraction_fill_exact(const void *probe, LitheCtx *ctx, const LthF
   for (e.m = 0; e.m < row->n; e.m++) {
     double low[3];
     lth_fraction_corner(f, row->at[e.m], row->j, row->k, low);
-    lth_fraction_halve(&filler, exact_part, f, low,
+    lth_fraction_halve(&filler, exact_part, 2, f, low,
                        row->part + (LitheCount)e.m * f->block_cells * f->n_parts);
   }
 done:

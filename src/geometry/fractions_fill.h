@@ -87,6 +87,7 @@ LitheStatus lth_fraction_fill_surface(LitheCtx *ctx, const LthShape *shape, int 
 typedef double (*LthFractionLeaf)(const void *self, const LthFractionFrame *frame,
                                   const double low[3], const int at[3]);
 
-/// Fill a block (low corner `low`) by halving: boxes on one side at once, parts that are mixed by `leaf`.
-void lth_fraction_halve(const LthFractionFiller *filler, LthFractionLeaf leaf,
+/// Fill a block (low corner `low`) by halving: boxes on one side at once, parts that are mixed by `leaf`. Sides are asked of
+/// boxes of `asked` parts or more.
+void lth_fraction_halve(const LthFractionFiller *filler, LthFractionLeaf leaf, int asked,
                         const LthFractionFrame *frame, const double low[3], double *part);

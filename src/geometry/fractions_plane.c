@@ -343,7 +343,7 @@ static LitheStatus fill_plane(const void *probe, LitheCtx *ctx, const LthFractio
   for (LitheIndex m = 0; m < row->n; m++) {
     double low[3];
     lth_fraction_corner(f, row->at[m], row->j, row->k, low);
-    lth_fraction_halve(&filler, plane_part, f, low,
+    lth_fraction_halve(&filler, plane_part, 1, f, low,
                        row->part + (LitheCount)m * f->block_cells * f->n_parts);
   }
   return LITHE_OK;

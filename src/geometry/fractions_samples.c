@@ -2,6 +2,7 @@
 #include "geometry/fractions_fill.h"
 
 #include "base/tensor.h"
+#include "geometry/wrap_local.h"
 
 /// A block while it is filled.
 typedef struct Halving {
@@ -9,6 +10,7 @@ typedef struct Halving {
   LthFractionLeaf leaf;
   const LthFractionFrame *frame;
   const double *low; ///< corner of the block
+  int asked;         ///< parts along the smallest box whose side is asked
   double *part;
 } Halving;
 
@@ -21,7 +23,7 @@ static void fill_box(const Halving *s, const int at[3], int size) {
     half[a] = 0.25 * f->h[a] * size;
     center[a] = s->low[a] + 0.5 * f->h[a] * at[a] + half[a];
   }
-  LthSide side = s->filler->side(s->filler->self, center, half);
+  LthSide side = size < s->asked ? LTH_SIDE_MIXED : s->filler->side(s->filler->self, center, half);
   if (side == LTH_SIDE_OUTSIDE) return;
   if (side == LTH_SIDE_MIXED && size > 1) {
     for (int q = 0; q < f->n_parts; q++) {
@@ -37,9 +39,10 @@ static void fill_box(const Halving *s, const int at[3], int size) {
       for (int i = at[0]; i < at[0] + size; i++) s->part[lth_fraction_place(f, i, j, k)] = value;
 }
 
-void lth_fraction_halve(const LthFractionFiller *filler, LthFractionLeaf leaf,
+void lth_fraction_halve(const LthFractionFiller *filler, LthFractionLeaf leaf, int asked,
                         const LthFractionFrame *frame, const double low[3], double *part) {
-  Halving s = {.filler = filler, .leaf = leaf, .frame = frame, .low = low, .part = part};
+  Halving s = {
+      .filler = filler, .leaf = leaf, .frame = frame, .low = low, .asked = asked, .part = part};
   fill_box(&s, (int[3]){0, 0, 0}, 2 * frame->side);
 }
 
@@ -48,14 +51,23 @@ static double sample_part(const void *self, const LthFractionFrame *f, const dou
                           const int at[3]) {
   const LthSampler *s = self;
   int n = s->samples / 2, deep = f->dim == 3 ? n : 1, count = 0;
-  double x[3] = {0, 0, 0};
+  double x[3] = {0, 0, 0}, half[3] = {0, 0, 0};
+  bool is_wrapped = s->probe->map;
+  LthWrapLocal local;
+  if (is_wrapped) {
+    for (int a = 0; a < f->dim; a++) {
+      half[a] = 0.25 * f->h[a];
+      x[a] = low[a] + half[a] * (2 * at[a] + 1);
+    }
+    lth_wrap_local_find(s->probe->map, x, lth_v3_norm(half), &local);
+  }
   for (int k = 0; k < deep; k++)
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++) {
         int place[3] = {i, j, k};
         for (int a = 0; a < f->dim; a++)
           x[a] = low[a] + f->h[a] * ((at[a] * n + place[a]) + 0.5) / (2 * n);
-        count += lth_probe_inside(s->probe, x);
+        count += is_wrapped ? lth_wrap_local_inside(&local, x) : lth_probe_inside(s->probe, x);
       }
   return (double)count / (n * n * deep);
 }
@@ -76,7 +88,7 @@ LitheStatus lth_fraction_fill_samples(const void *sampler, LitheCtx *ctx, const 
   for (LitheIndex m = 0; m < row->n; m++) {
     double low[3];
     lth_fraction_corner(f, row->at[m], row->j, row->k, low);
-    lth_fraction_halve(&filler, sample_part, f, low,
+    lth_fraction_halve(&filler, sample_part, 1, f, low,
                        row->part + (LitheCount)m * f->block_cells * f->n_parts);
   }
   return LITHE_OK;

@@ -1,0 +1,22 @@
+/// Inside tests of a wrapped surface at many places of a small ball.
+#pragma once
+
+#include "geometry/wrap.h"
+
+#define LTH_WRAP_LOCAL_TRIS 48
+
+/// One winding number, and the triangles at which it changes within the ball.
+typedef struct LthWrapLocal {
+  const LthWrapMap *map;
+  double center[3];
+  int n;
+  LitheIndex tri[LTH_WRAP_LOCAL_TRIS];
+  int number;   ///< at the centre, where it is nearly whole
+  bool is_sure; ///< it is, and all triangles are listed
+} LthWrapLocal;
+
+void lth_wrap_local_find(const LthWrapMap *map, const double center[3], double radius,
+                         LthWrapLocal *local);
+
+/// Is x, within the ball, inside? By the triangles between it and the centre, or else by the map.
+bool lth_wrap_local_inside(const LthWrapLocal *local, const double x[3]);
