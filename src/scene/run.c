@@ -113,7 +113,8 @@ static LitheStatus study_matrix(LitheCtx *ctx, const Run *run, const char *folde
     lth_free(ctx, path);
     LITHE_TRY(status);
   }
-  return run->scene->condition ? lth_block_matrix_condition(ctx, K, condition) : LITHE_OK;
+  return run->scene->condition ? lth_simulation_condition(ctx, run->world->sim, condition)
+                               : LITHE_OK;
 }
 
 static LitheStatus write_json(LitheCtx *ctx, const LitheResult *result) {

@@ -79,6 +79,9 @@ void lth_simulation_set_time(LthSimulation *sim, double t);
 /// NULL where the only body is solved without one.
 const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 
+/// Largest over smallest eigenvalue of that matrix without the unknowns that are held. Overwrites their rows.
+LitheStatus lth_simulation_condition(LitheCtx *ctx, LthSimulation *sim, double *condition);
+
 /// External less internal force at the present state, after a step less the forces of inertia and damping too,
 /// contact not among them: (n) [N], valid until the next call on `sim`. Overwrites the matrix.
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);

@@ -135,11 +135,36 @@ def test_bar():
         xx = array(voxels.GetCellData(), "stress")
         expect("they_know_their_stress", abs(xx[:, 0] - 1000).max() < 0.1 and abs(xx[:, 1:]).max() < 0.1, xx)
 
+        # eigenvalues of free unknowns alone: the modulus drops out
+        conditions = [result(d, "bar.yaml", "solver.condition=true", "bodies.0.method.cells=8",
+                             "bodies.0.material.young_modulus=%g" % young, out="c").get("solver", {}).get("condition")
+                      for young in (1e6, 1e-3)]
+        expect("the_modulus_drops_out_of_the_condition_number",
+               all(conditions) and near(conditions[0], conditions[1], 1e-6), conditions)
+
         # a bar that falls: nothing holds it, and it is stepped as every body
         fall = result(d, "bar.yaml", "bodies.0.constraints=[]", "bodies.0.loads=[]", "gravity=[0, -10, 0]",
                       "time={dynamic: {duration: 0.02, step: 0.01}}", "exact={}", out="fall")
         expect("a_free_bar_falls", "failed" not in fall and
                near(fall["displacement"]["max"], 10 * (1e-4 + 2e-4), 1e-6), fall)
+
+
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+
+
+def test_bunny():
+    """Two methods, one answer: its base clamped, under gravity."""
+    if not os.path.exists(BUNNY):
+        return
+    scene = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes", "staggered-bunny.yaml")
+    with folder() as d:
+        grid = result(d, scene, "output.fields=[none]")
+        mesh = result(d, scene, "output.fields=[none]", "bodies.0.method={kind: dg, cells: 12, degree: 2}")
+        expect("a_bunny_sags_as_with_dg", "failed" not in grid and "failed" not in mesh and
+               near(grid["displacement"]["mean"], mesh["displacement"]["mean"], 0.02) and
+               near(grid["energy"]["strain"], mesh["energy"]["strain"], 0.03), (grid, mesh))
+        expect("its_energy_is_the_work_of_gravity",
+               near(grid["energy"]["strain"], grid["energy"]["work"], 1e-6), grid.get("energy"))
 
 
 def test_thesis():
@@ -298,6 +323,7 @@ def test_bad_input():
 
 
 test_bar()
+test_bunny()
 test_thesis()
 test_shell()
 test_scan()
