@@ -94,7 +94,7 @@ static void shape_blocks(const ShapeDef *d, const double h[3], const LitheIndex 
       }
 }
 
-static void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *part) {
+static inline void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *part) {
   LthStaggeredLevel *l = &S->level;
   const LthSparseGrid *g = S->grid;
   double least = d->least > 0 ? d->least : 1e-4;
@@ -104,6 +104,7 @@ static void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *part) {
     lth_sparse_grid_cell(g, s, c);
     double V = shape_box(d, g, part, c, 0), E = shape_young(d, g, c, (double[]){0.5, 0.5, 0.5});
     if (V > least) {
+      if (l->volume) l->volume[s] = V;
       l->mu[s] = V * E / (2 * (1 + d->nu));
       l->lambda[s] = V * E * d->nu / ((1 + d->nu) * (1 - 2 * d->nu));
     }
@@ -127,7 +128,7 @@ static void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *part) {
 }
 
 /// The level of a shape in the box [-1, n + 1] h; places are such that the unit box is [0, 1]^dim.
-static ShapeLevel shape_level(LitheCtx *ctx, const ShapeDef *d) {
+static inline ShapeLevel shape_level(LitheCtx *ctx, const ShapeDef *d) {
   ShapeLevel S = {.ctx = ctx};
   double h[3], origin[3];
   LitheIndex n[3];
@@ -142,6 +143,7 @@ static ShapeLevel shape_level(LitheCtx *ctx, const ShapeDef *d) {
   shape_blocks(d, h, n, wanted);
   CHECK_OK(ctx, lth_sparse_grid_create(ctx, d->dim, origin, h, n, wanted, &S.grid));
   CHECK_OK(ctx, lth_staggered_level_alloc(ctx, S.grid, &S.level));
+  S.level.volume = lth_alloc(ctx, S.grid->n_slots, sizeof(double));
   int n_parts = d->dim == 3 ? 8 : 4;
   float *part = lth_alloc(ctx, S.grid->n_slots * n_parts, sizeof *part);
 #pragma omp parallel for
@@ -158,20 +160,20 @@ static ShapeLevel shape_level(LitheCtx *ctx, const ShapeDef *d) {
   return S;
 }
 
-static void shape_free(ShapeLevel *S) {
+static inline void shape_free(ShapeLevel *S) {
   lth_staggered_level_free(S->ctx, &S->level);
   lth_sparse_grid_destroy(S->ctx, &S->grid);
 }
 
 /// The annulus of the convergence tests: held inside of r = 0.325, free at r = 0.8; centre (1/2, 1/2), halved.
-static bool ring_inside(const double x[3]) { return hypot(x[0] - 0.5, x[1] - 0.5) < 0.4; }
-static bool ring_held(const double x[3]) { return hypot(x[0] - 0.5, x[1] - 0.5) <= 0.1625; }
-static double ball_radius(const double x[3]) {
+static inline bool ring_inside(const double x[3]) { return hypot(x[0] - 0.5, x[1] - 0.5) < 0.4; }
+static inline bool ring_held(const double x[3]) { return hypot(x[0] - 0.5, x[1] - 0.5) <= 0.1625; }
+static inline double ball_radius(const double x[3]) {
   return sqrt((x[0] - 0.5) * (x[0] - 0.5) + (x[1] - 0.5) * (x[1] - 0.5) +
               (x[2] - 0.5) * (x[2] - 0.5));
 }
-static bool ball_inside(const double x[3]) { return ball_radius(x) < 0.45; }
-static bool ball_held(const double x[3]) { return ball_radius(x) <= 0.2; }
+static inline bool ball_inside(const double x[3]) { return ball_radius(x) < 0.45; }
+static inline bool ball_held(const double x[3]) { return ball_radius(x) <= 0.2; }
 
 /// Three vectors over slots.
 static inline void shape_vectors(const ShapeLevel *S, const LthSparseGrid *g, double *v[3]) {

@@ -45,6 +45,7 @@ typedef struct LthMixedState LthMixedState;
 /// Immutable but for the state of the linearisation that update_rotations() keeps.
 typedef struct LthStaggered {
   LthDisc disc; ///< disc.self is this struct; disc.mesh is NULL
+  LthDiscTable table; ///< disc.table: its solver is that of the formulation
   LitheCtx *ctx;
   int dim;
   const LthFractions *fractions;

@@ -85,7 +85,7 @@ static void want_blocks(const LthSparseGrid *fine, const LitheIndex low[3],
 static LitheStatus coarse_grid(LitheCtx *ctx, const LthStaggeredLevel *fine, LthSparseGrid **grid) {
   LitheStatus status = LITHE_OK;
   const LthSparseGrid *g = fine->grid;
-  LitheIndex n[3], n_block[3], low[3], high[3];
+  LitheIndex n[3], n_block[3], low[3] = {0}, high[3] = {0};
   double h[3];
   uint8_t *wanted = NULL;
   for (int a = 0; a < 3; a++) {
@@ -181,7 +181,7 @@ static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coars
   coarse->lambda[s] = box_mean(g, fine->lambda, cell, 0);
   coarse->mu[s] = box_mean(g, fine->mu, cell, 0);
   if (fine->volume) coarse->volume[s] = box_mean(g, fine->volume, cell, 0);
-  if (fine->volume) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
+  if (fine->compliance) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
     if (coarse->shear[e]) coarse->shear[e][s] = box_mean(g, fine->mu, cell, 7 & ~(1 << e));
   for (int a = 0; a < g->dim; a++) {
@@ -232,19 +232,28 @@ LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *l) {
   return n;
 }
 
+/// Arrays of a coarse level: the same ones that the fine level has.
+static LitheStatus alloc_like(LitheCtx *ctx, const LthStaggeredLevel *fine,
+                              const LthSparseGrid *grid, LthStaggeredLevel *coarse) {
+  LitheStatus status = LITHE_OK;
+  LITHE_TRY_OR(done, lth_staggered_level_alloc(ctx, grid, coarse));
+  if (fine->volume) LTH_NEW_OR(done, ctx, coarse->volume, grid->n_slots);
+  if (fine->compliance) LTH_NEW_OR(done, ctx, coarse->compliance, grid->n_slots);
+done:
+  if (status != LITHE_OK) lth_staggered_level_free(ctx, coarse);
+  return status;
+}
+
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse) {
   LITHE_TRY(coarse_grid(ctx, fine, grid));
-  LitheStatus status = LITHE_OK;
-  LITHE_TRY_OR(fail, lth_staggered_level_alloc(ctx, *grid, coarse));
-  if (fine->volume) LTH_NEW_OR(fail, ctx, coarse->volume, (*grid)->n_slots);
-  if (fine->volume) LTH_NEW_OR(fail, ctx, coarse->compliance, (*grid)->n_slots);
+  LitheStatus status = alloc_like(ctx, fine, *grid, coarse);
+  if (status != LITHE_OK) {
+    lth_sparse_grid_destroy(ctx, grid);
+    return status;
+  }
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount s = 0; s < coarse->grid->n_slots; s++) average_slot(fine, coarse, s);
   lth_staggered_rule_a(ctx, coarse);
   return LITHE_OK;
-fail:
-  lth_staggered_level_free(ctx, coarse);
-  lth_sparse_grid_destroy(ctx, grid);
-  return status;
 }

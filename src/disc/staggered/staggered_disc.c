@@ -9,7 +9,8 @@ static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
   lth_staggered_finite_free(ctx, s);
   lth_mixed_state_destroy(ctx, s);
-  s->level.volume = NULL; // that of s
+  lth_staggered_solver_destroy(ctx, s);
+  s->level.volume = NULL; // freed below
   lth_staggered_level_free(ctx, &s->level);
   void *blocks[] = {s->volume, s->func,    s->slot, s->cell,   s->cell_slot, s->held, s->hold,
                     s->f0,     s->partial, s->sums, s->degree, s->row_func,  s};
@@ -108,7 +109,8 @@ static LitheStatus describe(LitheCtx *ctx, LthStaggered *s) {
 }
 
 static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
-  s->disc.table = &table;
+  s->table = table;
+  s->disc.table = &s->table;
   s->disc.is_split = true;
   s->disc.self = s;
   s->ctx = ctx;
@@ -149,10 +151,8 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   copy_def(ctx, def, s);
   LITHE_TRY(lth_staggered_level_alloc(ctx, s->grid, &s->level));
   LTH_NEW(ctx, s->volume, s->grid->n_slots);
-  if (s->formulation == LTH_FORM_MIXED) {
-    LTH_NEW(ctx, s->level.compliance, s->grid->n_slots);
-    s->level.volume = s->volume;
-  }
+  s->level.volume = s->volume;
+  if (s->formulation == LTH_FORM_MIXED) LTH_NEW(ctx, s->level.compliance, s->grid->n_slots);
   LTH_NEW(ctx, s->func, s->grid->n_slots);
   LTH_NEW(ctx, s->cell, s->grid->n_slots);
   LTH_NEW(ctx, s->partial, s->grid->n_blocks);
@@ -165,7 +165,8 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(describe(ctx, s));
   LITHE_TRY(lth_staggered_build_holds(ctx, s));
   LITHE_TRY(lth_mixed_state_create(ctx, s));
-  return s->model == LTH_MATERIAL_LINEAR ? LITHE_OK : lth_staggered_finite_attach(ctx, s);
+  if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
+  return s->formulation == LTH_FORM_MIXED ? LITHE_OK : lth_staggered_solver_create(ctx, s);
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {

@@ -96,6 +96,7 @@ LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *H) {
   for (int l = 1; l < H->n_levels; l++) {
     const LthSparseGrid *g = H->level[l].grid;
     bytes += g->n_slots * (g->dim == 3 ? 8 * 8 + 3 : 5 * 8 + 2);
+    bytes += g->n_slots * 8 * ((H->level[l].volume != NULL) + (H->level[l].compliance != NULL));
     bytes += g->n_blocks * (LitheCount)sizeof(LitheIndex) * (3 + g->n_neighbors);
   }
   return bytes;

@@ -34,7 +34,7 @@ LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *hierarchy)
 /// where they touch a cell that holds something; samples that touch dead unknowns, and the mass of these, become 0.
 void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *level);
 
-/// Arrays of a level, all zero, on a grid; freed by lth_staggered_level_free(), which leaves the grid.
+/// Arrays of a level, all zero, on a grid, without those of the mixed form; freed by lth_staggered_level_free(), which leaves the grid.
 LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
                                       LthStaggeredLevel *level);
 void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *level);
@@ -68,5 +68,13 @@ void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
                                 const LthStaggeredLevel *fine, const double *const r_fine[3],
                                 double *const r_coarse[3]);
 /// Unknowns of the coarse level that a free fine one is interpolated from, with weights of sum 1; returns how many.
-int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, int a,
-                          const LitheIndex fine_cell[3], LitheCount slot[8], double weight[8]);
+/// `unit` is lth_staggered_modulus_unit() of the coarse level.
+int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
+                          double unit, int a, const LitheIndex fine_cell[3], LitheCount slot[8],
+                          double weight[8]);
+
+/// Greatest mu of a level that knows its volumes and whose material varies, else 0. Where it is not 0, interpolation to
+/// the next finer level weighs unknowns by lth_staggered_pull(): what is soft follows what is stiff.
+double lth_staggered_modulus_unit(const LthStaggeredLevel *level);
+/// 0 where an unknown is dead, else 1, or mu of the cells around its face over `unit`, where that is not 0.
+double lth_staggered_pull(const LthStaggeredLevel *level, double unit, int a, LitheCount slot);

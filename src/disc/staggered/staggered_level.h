@@ -26,7 +26,7 @@ typedef enum LthUnknownState {
 typedef struct LthStaggeredLevel {
   const LthSparseGrid *grid;
   double *lambda, *mu; ///< V lambda, V mu of cells [Pa]; where nu = 0.5 lambda is LTH_PENALTY mu
-  double *volume;      ///< V of cells; NULL but in the mixed form
+  double *volume;      ///< V of cells; may be NULL but in the mixed form
   double *compliance;  ///< V / lambda of cells [1/Pa], 0 where nu = 0.5; NULL but in the mixed form
   double *shear[3];    ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
   double *mass[3];     ///< V rho of faces [kg/m^3]; 2D: [2] is NULL

@@ -116,6 +116,12 @@ LitheStatus lth_staggered_project(LitheCtx *ctx, const LthDisc *disc,
                                                 double value[3]),
                                   const void *self, double *coef);
 
+// staggered_solver.c
+
+/// Matrix-free solves for a linear body in displacement form: sets the table's solver, and destroys what it set.
+LitheStatus lth_staggered_solver_create(LitheCtx *ctx, LthStaggered *s);
+void lth_staggered_solver_destroy(LitheCtx *ctx, LthStaggered *s);
+
 // staggered_load.c
 
 LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load,

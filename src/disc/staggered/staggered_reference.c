@@ -2,6 +2,7 @@
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_slot.h"
 
+#include <math.h>
 #include <string.h>
 
 static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
@@ -91,8 +92,30 @@ void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *l, doubl
   }
 }
 
-int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, int a,
-                          const LitheIndex cell[3], LitheCount slot[8], double weight[8]) {
+double lth_staggered_modulus_unit(const LthStaggeredLevel *l) {
+  double least = INFINITY, greatest = 0;
+  for (LitheCount s = 0; l->volume && s < l->grid->n_slots; s++) {
+    if (!(l->volume[s] > 0 && l->mu[s] > 0)) continue;
+    least = fmin(least, l->mu[s] / l->volume[s]);
+    greatest = fmax(greatest, l->mu[s] / l->volume[s]);
+  }
+  return greatest > 1.01 * least ? greatest : 0;
+}
+
+double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheCount s) {
+  if (l->state[a][s] == LTH_UNKNOWN_DEAD) return 0;
+  if (unit == 0) return 1;
+  LitheIndex cell[3];
+  lth_cell_of(l->grid, s, cell);
+  LitheCount before = lth_slot_along(l->grid, cell, a, -1);
+  double mu = l->mu[s] + value_at(l->mu, before);
+  double V = l->volume[s] + value_at(l->volume, before);
+  return V > 0 && mu > 0 ? mu / (V * unit) : 1;
+}
+
+int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
+                          double unit, int a, const LitheIndex cell[3], LitheCount slot[8],
+                          double weight[8]) {
   LitheIndex near[3], far[3];
   double w[3][2];
   for (int b = 0; b < 3; b++) {
@@ -110,6 +133,7 @@ int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLev
     LitheCount s = lth_slot_of(coarse->grid, q & 1 ? far[0] : near[0], q & 2 ? far[1] : near[1],
                                q & 4 ? far[2] : near[2]);
     if (s < 0 || coarse->state[a][s] == LTH_UNKNOWN_DEAD) continue;
+    p *= lth_staggered_pull(coarse, unit, a, s);
     slot[n] = s;
     weight[n++] = p;
     sum += p;
@@ -121,6 +145,7 @@ int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLev
 void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
                                const LthStaggeredLevel *fine, const double *const u_coarse[3],
                                double *const u_fine[3]) {
+  const double unit = lth_staggered_modulus_unit(coarse);
   for (int a = 0; a < fine->grid->dim; a++) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
     for (LitheCount s = 0; s < fine->grid->n_slots; s++) {
@@ -130,7 +155,7 @@ void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
       LitheCount slot[8];
       double weight[8];
       lth_cell_of(fine->grid, s, cell);
-      int n = lth_staggered_parents(coarse, fine, a, cell, slot, weight);
+      int n = lth_staggered_parents(coarse, fine, unit, a, cell, slot, weight);
       for (int i = 0; i < n; i++) u_fine[a][s] += weight[i] * u_coarse[a][slot[i]];
     }
   }
@@ -140,6 +165,7 @@ void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
                                 const LthStaggeredLevel *fine, const double *const r_fine[3],
                                 double *const r_coarse[3]) {
   (void)ctx; // serial: sums in the order of the fine slots
+  const double unit = lth_staggered_modulus_unit(coarse);
   for (int a = 0; a < fine->grid->dim; a++) {
     memset(r_coarse[a], 0, sizeof *r_coarse[a] * (size_t)coarse->grid->n_slots);
     for (LitheCount s = 0; s < fine->grid->n_slots; s++) {
@@ -148,7 +174,7 @@ void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
       LitheCount slot[8];
       double weight[8];
       lth_cell_of(fine->grid, s, cell);
-      int n = lth_staggered_parents(coarse, fine, a, cell, slot, weight);
+      int n = lth_staggered_parents(coarse, fine, unit, a, cell, slot, weight);
       for (int i = 0; i < n; i++)
         if (coarse->state[a][slot[i]] == LTH_UNKNOWN_FREE)
           r_coarse[a][slot[i]] += weight[i] * r_fine[a][s];

@@ -63,7 +63,7 @@ static void check_prolong(const ShapeDef *def) {
         LitheCount slot[8];
         double weight[8];
         lth_sparse_grid_cell(f->grid, s, cell);
-        int n = lth_staggered_parents(k, f, a, cell, slot, weight);
+        int n = lth_staggered_parents(k, f, 0, a, cell, slot, weight);
         bool full = n == (cell[a] & 1 ? 2 : 1) << (def->dim - 1);
         n_full += full;
         if (!linear || full) CHECK_NEAR(fine[a][s], exact[a][s], 1e-14 * 10);

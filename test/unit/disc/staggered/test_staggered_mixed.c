@@ -12,7 +12,6 @@ static double stiffness_at(const ShapeDef *d, const LthSparseGrid *g, const Lith
 /// V and V / lambda of cells from V mu.
 static void add_compliance(ShapeLevel *S, const ShapeDef *d) {
   LthStaggeredLevel *l = &S->level;
-  l->volume = lth_alloc(S->ctx, S->grid->n_slots, sizeof *l->volume);
   l->compliance = lth_alloc(S->ctx, S->grid->n_slots, sizeof *l->compliance);
   for (LitheCount s = 0; s < S->grid->n_slots; s++) {
     LitheIndex c[3];

@@ -1,0 +1,239 @@
+/// Conjugate gradients in double precision around the V-cycle, on vectors that lie as the blocks do.
+// Vectors p, r and q; the V-cycle's x and y lie where q does: q is of use between A p and the next residual alone.
+#include "disc/staggered/staggered_multigrid_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+double lth_staggered_sum(const LthStaggeredMultigrid *M) {
+  double sum = 0;
+  for (LitheIndex i = 0; i < M->level[0].n_active; i++) sum += M->sum[i];
+  return sum;
+}
+
+static LitheIndex func_of(const LthStaggeredMultigrid *M, LitheCount slot) {
+  return M->def.func ? M->def.func[slot] : (LitheIndex)slot;
+}
+
+void lth_staggered_scatter(const LthStaggeredMultigrid *M, int threads, bool only_free,
+                           const double *x, double *blocks) {
+  const LthStaggeredLevel *l = &M->fine;
+  LitheCount n = l->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
+    for (LitheCount i = 0; i < n; i++) {
+      LitheIndex f = func_of(M, b * n + i);
+      for (int a = 0; a < l->grid->dim; a++) {
+        uint8_t state = l->state[a][b * n + i];
+        bool counts = f >= 0 && (only_free ? state == LTH_UNKNOWN_FREE : state != LTH_UNKNOWN_DEAD);
+        blocks[b * M->block + a * n + i] = counts ? x[3 * (LitheCount)f + a] : 0;
+      }
+    }
+}
+
+void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held,
+                          const double *blocks, double *y) {
+  const LthStaggeredLevel *l = &M->fine;
+  LitheCount n = l->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
+    for (LitheCount i = 0; i < n; i++) {
+      LitheIndex f = func_of(M, b * n + i);
+      if (f < 0) continue;
+      for (int a = 0; a < 3; a++) {
+        uint8_t state = a < l->grid->dim ? l->state[a][b * n + i] : LTH_UNKNOWN_DEAD;
+        bool counts = state == LTH_UNKNOWN_FREE || (held && state == LTH_UNKNOWN_HELD);
+        y[3 * (LitheCount)f + a] = counts ? blocks[b * M->block + a * n + i] : 0;
+      }
+    }
+}
+
+/// w += alpha p, then p = z + beta p, in one sweep; z is x of the V-cycle, or NULL: p stays.
+static void turn_direction(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha, double beta,
+                           bool renew, double *w) {
+  const LthFastLevel *L = &M->level[0];
+  const LthStaggeredLevel *l = &M->fine;
+  LitheCount n = l->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex k = 0; k < L->n_active; k++) {
+    LitheIndex b = L->active[k];
+    double *p = M->p + b * M->block;
+    if (alpha != 0)
+      for (LitheCount i = 0; i < n; i++) {
+        LitheIndex f = func_of(M, b * n + i);
+        if (f < 0) continue;
+        for (int a = 0; a < l->grid->dim; a++) w[3 * (LitheCount)f + a] += alpha * p[a * n + i];
+      }
+    if (!renew) continue;
+    const float *z = L->x.at + b * L->x.stride;
+    for (LitheCount i = 0; i < M->block; i++) p[i] = z[i] + beta * p[i];
+  }
+}
+
+/// q = A p; returns p . q.
+static double apply_operator(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOperator *extra) {
+  const LthFastLevel *L = &M->level[0];
+  const LthFastKernels *k = lth_fast_kernels(L);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < L->n_active; i++)
+    M->sum[i] = k->apply(L, L->active[i], M->cm, M->ck, false, M->p, M->work);
+  double sum = lth_staggered_sum(M);
+  if (!extra) return sum;
+  lth_staggered_gather(M, lth_threads(ctx), false, M->p, M->extra_x);
+  extra->apply(extra->self, lth_threads(ctx), M->extra_x, M->extra_y);
+  LitheCount n = M->fine.grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < L->n_active; i++) {
+    LitheIndex b = L->active[i];
+    M->sum[i] = 0;
+    for (LitheCount j = 0; j < M->block; j++) {
+      LitheCount slot = b * n + j % n;
+      LitheIndex f = func_of(M, slot);
+      if (M->fine.state[j / n][slot] != LTH_UNKNOWN_FREE || f < 0) continue;
+      double y = M->extra_y[3 * (LitheCount)f + j / n];
+      M->work[b * M->block + j] += y;
+      M->sum[i] += M->p[b * M->block + j] * y;
+    }
+  }
+  return sum + lth_staggered_sum(M);
+}
+
+/// r -= alpha q and b = scale r in single precision; returns r . r.
+static double advance(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha, double scale) {
+  const LthFastLevel *L = &M->level[0];
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex k = 0; k < L->n_active; k++) {
+    LitheIndex b = L->active[k];
+    double *r = M->r + b * M->block, lane[8] = {0};
+    const double *q = M->work + b * M->block;
+    float *single = L->b.at + b * L->b.stride;
+    for (LitheCount i = 0; i < M->block; i += 8)
+      for (int s = 0; s < 8; s++) {
+        double value = r[i + s] - alpha * q[i + s];
+        r[i + s] = value;
+        single[i + s] = (float)(scale * value);
+        lane[s] += value * value;
+      }
+    M->sum[k] = 0;
+    for (int s = 0; s < 8; s++) M->sum[k] += lane[s];
+  }
+  return lth_staggered_sum(M);
+}
+
+/// r = rhs - A w and b = scale r; returns |r|. Leaves w in p.
+static double true_residual(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOperator *extra,
+                            const double *rhs, const double *w, bool is_zero, double scale) {
+  lth_staggered_scatter(M, lth_threads(ctx), true, rhs, M->r);
+  if (is_zero) {
+    memset(M->p, 0, sizeof *M->p * (size_t)(M->fine.grid->n_blocks * M->block));
+    return sqrt(advance(ctx, M, 0, scale));
+  }
+  lth_staggered_scatter(M, lth_threads(ctx), true, w, M->p);
+  apply_operator(ctx, M, extra);
+  return sqrt(advance(ctx, M, 1, scale));
+}
+
+static double norm_of(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *v) {
+  const LthFastLevel *L = &M->level[0];
+  LitheCount n = M->fine.grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex k = 0; k < L->n_active; k++) {
+    M->sum[k] = 0;
+    for (LitheCount i = 0; i < n; i++) {
+      LitheIndex f = func_of(M, L->active[k] * n + i);
+      for (int a = 0; f >= 0 && a < M->fine.grid->dim; a++)
+        if (M->fine.state[a][L->active[k] * n + i] == LTH_UNKNOWN_FREE)
+          M->sum[k] += v[3 * (LitheCount)f + a] * v[3 * (LitheCount)f + a];
+    }
+  }
+  return sqrt(lth_staggered_sum(M));
+}
+
+/// w += x of the V-cycle over `scale`.
+static void take_start(LitheCtx *ctx, LthStaggeredMultigrid *M, double scale, double *w) {
+  turn_direction(ctx, M, 0, 0, true, w);
+  turn_direction(ctx, M, 1 / scale, 0, false, w);
+}
+
+/// Iterate from r and b until |r| <= target; returns the iterations done.
+static LitheStatus iterate(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOperator *extra,
+                           double scale, double target, LitheIndex most, double *w,
+                           LitheIndex *iterations, bool *definite) {
+  double rz = 0, rz_before = 0, alpha = 0, norm = INFINITY;
+  LitheIndex it = 0;
+  for (; it < most && norm > target; it++) {
+    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    LITHE_TRY(lth_staggered_cycle(ctx, M, 0, true, &rz));
+    turn_direction(ctx, M, alpha, it == 0 ? 0 : rz / rz_before, true, w);
+    double pq = apply_operator(ctx, M, extra);
+    *definite = rz > 0 && pq > 0;
+    alpha = 0;
+    if (!*definite) break;
+    alpha = rz / scale / pq;
+    rz_before = rz;
+    norm = sqrt(advance(ctx, M, alpha, scale));
+  }
+  turn_direction(ctx, M, alpha, 0, false, w);
+  *iterations += it;
+  return LITHE_OK;
+}
+
+static bool all_zero(LitheCount n, const double *v) {
+  for (LitheCount i = 0; i < n; i++)
+    if (v[i] != 0) return false;
+  return true;
+}
+
+LitheStatus lth_staggered_multigrid_solve(LitheCtx *ctx, LthStaggeredMultigrid *M,
+                                          const LthOperator *extra, const double *rhs, double *w,
+                                          double tolerance, LitheIndex max_iterations,
+                                          LthSolveReport *report) {
+  *report = (LthSolveReport){.converged = true};
+  double norm_b = norm_of(ctx, M, rhs);
+  if (norm_b == 0) {
+    memset(w, 0, sizeof *w * (size_t)M->def.n_dofs);
+    return LITHE_OK;
+  }
+  if (extra && !M->extra_x) {
+    LTH_NEW(ctx, M->extra_x, M->def.n_dofs);
+    LTH_NEW(ctx, M->extra_y, M->def.n_dofs);
+  }
+  double scale = 1 / norm_b, target = tolerance * norm_b;
+  bool is_zero = all_zero(M->def.n_dofs, w), definite = true;
+  double residual = true_residual(ctx, M, extra, rhs, w, is_zero, scale);
+  if (is_zero && !extra) {
+    LITHE_TRY(lth_staggered_full(ctx, M));
+    take_start(ctx, M, scale * M->unit, w);
+    residual = true_residual(ctx, M, extra, rhs, w, false, scale);
+  }
+  while (residual > target && definite && report->iterations < max_iterations) {
+    double before = residual;
+    LITHE_TRY(iterate(ctx, M, extra, scale, target, max_iterations - report->iterations, w,
+                      &report->iterations, &definite));
+    residual = true_residual(ctx, M, extra, rhs, w, false, scale);
+    if (!(residual < 0.5 * before)) break;
+  }
+  report->residual = residual / norm_b;
+  report->converged = residual <= target;
+  return LITHE_OK;
+}
+
+LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *r,
+                                          double *z) {
+  double product, norm = norm_of(ctx, M, r), scale = norm > 0 ? 1 / norm : 1;
+  true_residual(ctx, M, NULL, r, NULL, true, scale);
+  LITHE_TRY(lth_staggered_cycle(ctx, M, 0, true, &product));
+  memset(z, 0, sizeof *z * (size_t)M->def.n_dofs);
+  take_start(ctx, M, scale * M->unit, z);
+  return LITHE_OK;
+}
+
+LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *rhs,
+                                         double *w) {
+  double norm = norm_of(ctx, M, rhs), scale = norm > 0 ? 1 / norm : 1;
+  true_residual(ctx, M, NULL, rhs, NULL, true, scale);
+  LITHE_TRY(lth_staggered_full(ctx, M));
+  memset(w, 0, sizeof *w * (size_t)M->def.n_dofs);
+  take_start(ctx, M, scale * M->unit, w);
+  return LITHE_OK;
+}

@@ -1,0 +1,39 @@
+/// The coarsest level of the staggered multigrid: its matrix and a Cholesky factor.
+#pragma once
+
+#include "disc/staggered/staggered_fast.h"
+#include "la/engine.h"
+
+/// One entry of a row: unknown of component b at a slot.
+typedef struct LthStaggeredEntry {
+  LitheCount slot;
+  int b;
+  double value;
+} LthStaggeredEntry;
+
+#define LTH_STAGGERED_ROW 15 ///< entries of a row at most
+
+/// Row of cm M + ck K at a free unknown, its diagonal first; entries at dead unknowns are left out, those at held ones
+/// are there. Returns how many.
+int lth_staggered_row(const LthStaggeredLevel *level, double cm, double ck, int a, LitheCount slot,
+                      LthStaggeredEntry entry[LTH_STAGGERED_ROW]);
+
+typedef struct LthStaggeredCoarsest {
+  const LthFastLevel *level;
+  LthBlockMatrix *A; ///< over free unknowns, blocks of one; NULL: too many for a factor
+  LitheCount *place; ///< of an unknown in the vectors of a dense stride            (A->n)
+  LitheIndex *index; ///< of an unknown in A, component by component over slots, -1 (dim x n_slots)
+  const LthEngine *engine;
+  LthFactor *factor;
+  double *value; ///< right-hand side and solution                             (A->n)
+} LthStaggeredCoarsest;
+
+/// Analyse, unless there are more than `most` unknowns.
+LitheStatus lth_staggered_coarsest_create(LitheCtx *ctx, const LthFastLevel *level, LitheCount most,
+                                          LthStaggeredCoarsest *coarsest);
+void lth_staggered_coarsest_free(LitheCtx *ctx, LthStaggeredCoarsest *coarsest);
+/// Factor (cm M + ck K) / unit.
+LitheStatus lth_staggered_coarsest_set(LitheCtx *ctx, LthStaggeredCoarsest *coarsest, double cm,
+                                       double ck, double unit);
+/// The level's x from its b.
+LitheStatus lth_staggered_coarsest_solve(LitheCtx *ctx, LthStaggeredCoarsest *coarsest);

@@ -1,0 +1,105 @@
+/// Smoothing, the V-cycle and full multigrid, all in single precision.
+/// Smoother: Chebyshev polynomials of the fourth kind (Lottes 2023), which need an upper bound of the spectrum alone.
+#include "disc/staggered/staggered_multigrid_priv.h"
+
+/// Step `i` = 1, 2, ... of a smoother for eigenvalues in (0, greatest].
+static LthFastStep step_of(const LthFastLevel *L, int i) {
+  double k = 2 * i + 1;
+  return (LthFastStep){.momentum = i == 1 ? 0 : (float)((2 * i - 3) / k),
+                       .length = (float)((8 * i - 4) / (k * L->greatest)),
+                       .fresh = i == 1};
+}
+
+static void swap_vectors(LthFastLevel *L) {
+  LthFastVector x = L->x;
+  L->x = L->y;
+  L->y = x;
+}
+
+/// Steps first ... last of a smoother; sums of b . x of the last one in `sum`, where not NULL.
+static void smooth(LitheCtx *ctx, LthFastLevel *L, int first, int last, double *sum) {
+  const LthFastKernels *k = lth_fast_kernels(L);
+  for (int i = first; i <= last; i++) {
+    LthFastStep step = step_of(L, i);
+    if (first == 2 && i == 2) step.fresh = true; // the iterate before was zero
+    step.product = sum && i == last;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+    for (LitheIndex b = 0; b < L->n_active; b++) {
+      double product = k->smooth(L, L->active[b], step);
+      if (sum) sum[b] = product;
+    }
+    swap_vectors(L);
+  }
+}
+
+static void start(LitheCtx *ctx, LthFastLevel *L) {
+  const LthFastKernels *k = lth_fast_kernels(L);
+  float length = step_of(L, 1).length;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < L->n_active; b++) k->start(L, L->active[b], length);
+}
+
+/// Right-hand side of the coarser level: the residual, or (`of_b`) the right-hand side.
+static void restrict_down(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse, bool of_b) {
+  const LthFastKernels *k = lth_fast_kernels(L);
+#pragma omp parallel num_threads(lth_threads(ctx))
+  {
+#pragma omp for schedule(static)
+    for (LitheIndex b = 0; b < L->n_active; b++) (of_b ? k->weigh : k->residual)(L, L->active[b]);
+#pragma omp for schedule(static)
+    for (LitheIndex b = 0; b < coarse->n_active; b++) k->restrict_to(L, coarse, coarse->active[b]);
+  }
+}
+
+static void prolong_up(LitheCtx *ctx, LthFastLevel *L, const LthFastLevel *coarse, bool add) {
+  const LthFastKernels *k = lth_fast_kernels(L);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, add);
+}
+
+/// Exact, or many steps where the level is too large for that.
+static LitheStatus solve_coarsest(LitheCtx *ctx, LthStaggeredMultigrid *M, double *sum) {
+  LthFastLevel *L = &M->level[M->n_levels - 1];
+  if (!M->coarsest.A) {
+    start(ctx, L);
+    smooth(ctx, L, 2, 40, sum);
+    return LITHE_OK;
+  }
+  LITHE_TRY(lth_staggered_coarsest_solve(ctx, &M->coarsest));
+  for (LitheIndex i = 0; sum && i < L->n_active; i++) {
+    LitheIndex b = L->active[i];
+    sum[i] = 0;
+    for (LitheCount j = 0; j < M->block; j++)
+      sum[i] += (double)L->b.at[b * L->b.stride + j] * L->x.at[b * L->x.stride + j];
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool from_zero,
+                                double *product) {
+  double *sum = l == 0 ? M->sum : NULL;
+  if (l == M->n_levels - 1) {
+    LITHE_TRY(solve_coarsest(ctx, M, sum));
+  } else {
+    LthFastLevel *L = &M->level[l], *coarse = &M->level[l + 1];
+    if (from_zero) start(ctx, L);
+    smooth(ctx, L, from_zero ? 2 : 1, M->degree, NULL);
+    restrict_down(ctx, L, coarse, false);
+    LITHE_TRY(lth_staggered_cycle(ctx, M, l + 1, true, NULL));
+    prolong_up(ctx, L, coarse, true);
+    smooth(ctx, L, 1, M->degree, sum);
+  }
+  if (product) *product = lth_staggered_sum(M);
+  return LITHE_OK;
+}
+
+LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  int last = M->n_levels - 1;
+  for (int l = 0; l < last; l++) restrict_down(ctx, &M->level[l], &M->level[l + 1], true);
+  LITHE_TRY(lth_staggered_cycle(ctx, M, last, true, NULL));
+  for (int l = last - 1; l >= 0; l--) {
+    prolong_up(ctx, &M->level[l], &M->level[l + 1], false);
+    LITHE_TRY(lth_staggered_cycle(ctx, M, l, false, NULL));
+  }
+  return LITHE_OK;
+}

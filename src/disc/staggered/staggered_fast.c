@@ -1,0 +1,287 @@
+/// Blocks of a level sorted by what they hold, and their coefficients in single precision.
+#include "disc/staggered/staggered_fast.h"
+#include "disc/staggered/staggered_slot.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool near_enough(double a, double b) { return fabs(a - b) <= 1e-14 * fabs(b); }
+
+/// Cells and edges that unknowns of a block touch, from `low` to `side` inclusive along each axis.
+static bool same_around(const LthStaggeredLevel *l, LitheIndex block, const double *v, int low,
+                        int high, double value) {
+  const LthSparseGrid *g = l->grid;
+  const LitheIndex *place = g->place + 3 * (LitheCount)block;
+  int deep = g->dim == 3;
+  for (int k = deep ? low : 0; k <= (deep ? high : 0); k++)
+    for (int j = low; j <= high; j++)
+      for (int i = low; i <= high; i++) {
+        LitheCount s = lth_slot_of(g, place[0] * g->side + i, place[1] * g->side + j,
+                                   deep ? place[2] * g->side + k : 0);
+        if (s < 0 || !near_enough(v[s], value)) return false;
+      }
+  return true;
+}
+
+static bool is_uniform(const LthStaggeredLevel *l, LitheIndex block) {
+  const LthSparseGrid *g = l->grid;
+  LitheCount first = (LitheCount)block * g->block_cells;
+  double mu = l->mu[first], rho = l->mass[0][first];
+  for (int a = 0; a < g->dim; a++)
+    for (LitheCount s = first; s < first + g->block_cells; s++)
+      if (l->state[a][s] != LTH_UNKNOWN_FREE || !near_enough(l->mass[a][s], rho)) return false;
+  if (!(mu > 0) || !same_around(l, block, l->mu, -1, g->side - 1, mu) ||
+      !same_around(l, block, l->lambda, -1, g->side - 1, l->lambda[first]))
+    return false;
+  for (int e = 0; e < 3; e++)
+    if (l->shear[e] && !same_around(l, block, l->shear[e], 0, g->side, mu)) return false;
+  return true;
+}
+
+static LthBlockKind kind_of(const LthStaggeredLevel *l, LitheIndex block) {
+  bool any = false;
+  LitheCount first = (LitheCount)block * l->grid->block_cells;
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = first; s < first + l->grid->block_cells; s++)
+      any |= l->state[a][s] != LTH_UNKNOWN_DEAD;
+  if (!any) return LTH_BLOCK_EMPTY;
+  return is_uniform(l, block) ? LTH_BLOCK_UNIFORM : LTH_BLOCK_GENERAL;
+}
+
+static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
+  LitheIndex n = L->grid->n_blocks;
+  LTH_NEW(ctx, L->kind, n);
+  LTH_NEW(ctx, L->number, n);
+  LTH_NEW(ctx, L->scaled, n);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < n; b++) L->kind[b] = (uint8_t)kind_of(L->level, b);
+  for (LitheIndex b = 0; b < n; b++) L->n_active += L->kind[b] != LTH_BLOCK_EMPTY;
+  LTH_NEW(ctx, L->active, L->n_active);
+  LitheIndex at = 0;
+  for (LitheIndex b = 0; b < n; b++) {
+    L->number[b] = L->kind[b] == LTH_BLOCK_GENERAL ? L->n_general++ : -1;
+    L->scaled[b] = -1;
+    if (L->kind[b] != LTH_BLOCK_EMPTY) L->active[at++] = b;
+  }
+  return LITHE_OK;
+}
+
+/// Largest eigenvalue that one cell's or edge's share of the operator may have against its share of the diagonal:
+/// four faces around an edge give 4, two dim faces around a cell (8 mu + 4 dim lambda) / (4 mu + 2 lambda).
+static double stiffest_of(const LthStaggeredLevel *l) {
+  double ratio = 0, d = l->grid->dim;
+  for (LitheCount s = 0; s < l->grid->n_slots; s++)
+    if (l->mu[s] > 0 && l->lambda[s] > ratio * l->mu[s]) ratio = l->lambda[s] / l->mu[s];
+  return fmax(4, (8 + 4 * d * ratio) / (4 + 2 * ratio));
+}
+
+LitheStatus lth_fast_level_analyse(LitheCtx *ctx, const LthStaggeredLevel *level, LthFastLevel *L) {
+  *L = (LthFastLevel){.level = level, .grid = level->grid};
+  for (int a = 0; a < 3; a++) L->ratio[a] = level->grid->h[0] / level->grid->h[a];
+  L->stiffest = stiffest_of(level);
+  LitheIndex side = level->grid->side + 1;
+  L->n_sample = level->grid->dim == 3 ? 5 * side * side * side : 3 * side * side;
+  LitheStatus status = sort_blocks(ctx, L);
+  if (status != LITHE_OK) lth_fast_level_free(ctx, L);
+  return status;
+}
+
+LitheStatus lth_fast_level_reserve(LitheCtx *ctx, LthFastLevel *L, bool with_mass) {
+  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
+  if (!L->constant) LTH_NEW(ctx, L->constant, 3 * (LitheCount)L->grid->n_blocks);
+  if (!L->sample) LTH_NEW(ctx, L->sample, (LitheCount)L->n_general * L->n_sample);
+  if (!L->inverse) LTH_NEW(ctx, L->inverse, L->n_general * block);
+  if (!L->inertia && with_mass) LTH_NEW(ctx, L->inertia, L->n_general * block);
+  return LITHE_OK;
+}
+
+void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
+  lth_free(ctx, L->active);
+  lth_free(ctx, L->kind);
+  lth_free(ctx, L->number);
+  lth_free(ctx, L->constant);
+  lth_free(ctx, L->sample);
+  lth_free(ctx, L->inertia);
+  lth_free(ctx, L->inverse);
+  lth_free(ctx, L->scaled);
+  lth_free(ctx, L->scale);
+  lth_free(ctx, L->pull);
+  *L = (LthFastLevel){0};
+}
+
+static void set_samples(LthFastLevel *L, LitheIndex block) {
+  const LthStaggeredLevel *l = L->level;
+  const LthSparseGrid *g = L->grid;
+  const double *from[5] = {l->lambda, l->mu, l->shear[2], l->shear[0], l->shear[1]};
+  const LitheIndex *place = g->place + 3 * (LitheCount)block;
+  float *to = L->sample + (LitheCount)L->number[block] * L->n_sample;
+  int deep = g->dim == 3;
+  for (int v = 0; v < (deep ? 5 : 3); v++) {
+    int low = v < 2 ? -1 : 0, n = g->side + 1;
+    for (int k = 0; k < (deep ? n : 1); k++)
+      for (int j = 0; j < n; j++)
+        for (int i = 0; i < n; i++) {
+          LitheCount s = lth_slot_of(g, place[0] * g->side + low + i, place[1] * g->side + low + j,
+                                     deep ? place[2] * g->side + low + k : 0);
+          *to++ = s < 0 ? 0 : (float)(L->stiff * from[v][s]);
+        }
+  }
+}
+
+static double at_slot(const double *v, LitheCount s) { return s < 0 ? 0 : v[s]; }
+
+/// Diagonal entry over stiff.
+static double diagonal_of(const LthFastLevel *L, int a, LitheCount s, const LitheIndex cell[3]) {
+  const LthStaggeredLevel *l = L->level;
+  LitheCount before = lth_slot_along(L->grid, cell, a, -1);
+  double d =
+      L->ratio[a] * L->ratio[a] *
+      (2 * l->mu[s] + l->lambda[s] + 2 * at_slot(l->mu, before) + at_slot(l->lambda, before));
+  for (int b = 0; b < L->grid->dim; b++) {
+    if (b == a) continue;
+    const double *shear = l->shear[3 - a - b];
+    d += L->ratio[b] * L->ratio[b] *
+         (shear[s] + at_slot(shear, lth_slot_along(L->grid, cell, b, 1)));
+  }
+  return d;
+}
+
+static void set_inverse(LthFastLevel *L, LitheIndex block) {
+  const LthStaggeredLevel *l = L->level;
+  LitheCount n = L->grid->block_cells, first = (LitheCount)block * n;
+  float *inverse = L->inverse + (LitheCount)L->number[block] * L->grid->dim * n;
+  float *inertia = L->inertia ? L->inertia + (inverse - L->inverse) : NULL;
+  for (int a = 0; a < L->grid->dim; a++)
+    for (LitheCount i = 0; i < n; i++) {
+      LitheIndex cell[3];
+      lth_cell_of(L->grid, first + i, cell);
+      bool alive = l->state[a][first + i] == LTH_UNKNOWN_FREE;
+      double m = L->inert * l->mass[a][first + i];
+      inverse[a * n + i] =
+          alive ? (float)(1 / (L->stiff * diagonal_of(L, a, first + i, cell) + m)) : 0;
+      if (inertia) inertia[a * n + i] = alive ? (float)m : 0;
+    }
+}
+
+/// Least share of inertia in the diagonal entries of a block's free unknowns.
+static double inertia_share(const LthFastLevel *L, LitheIndex block) {
+  const float *c = L->constant + 3 * (LitheCount)block;
+  double least = 1;
+  if (L->kind[block] == LTH_BLOCK_UNIFORM) {
+    double sides = 0, wide = 0;
+    for (int a = 0; a < L->grid->dim; a++) {
+      sides += L->ratio[a] * L->ratio[a];
+      wide = fmax(wide, L->ratio[a] * L->ratio[a]);
+    }
+    return c[2] / (c[2] + 2 * (c[1] * sides + (c[1] + c[0]) * wide));
+  }
+  LitheCount n = L->grid->dim * L->grid->block_cells, first = L->number[block] * n;
+  for (LitheCount i = first; i < first + n; i++)
+    if (L->inverse[i] > 0) least = fmin(least, (double)L->inertia[i] * L->inverse[i]);
+  return least;
+}
+
+/// Inertia is diagonal: its share of the diagonal has the eigenvalue 1.
+static double greatest_of(LitheCtx *ctx, const LthFastLevel *L) {
+  double share = 1;
+  if (L->inert == 0) return L->stiffest;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) reduction(min : share)
+  for (LitheIndex i = 0; i < L->n_active; i++) share = fmin(share, inertia_share(L, L->active[i]));
+  return L->stiffest - (L->stiffest - 1) * share;
+}
+
+void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *L, double cm, double ck, double unit) {
+  const LthStaggeredLevel *l = L->level;
+  double volume = lth_sparse_grid_cell_volume(L->grid);
+  L->stiff = volume * ck / (L->grid->h[0] * L->grid->h[0] * unit);
+  L->inert = volume * cm / unit;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < L->n_active; i++) {
+    LitheIndex b = L->active[i];
+    LitheCount first = (LitheCount)b * L->grid->block_cells;
+    float *c = L->constant + 3 * (LitheCount)b;
+    c[0] = (float)(L->stiff * l->lambda[first]);
+    c[1] = (float)(L->stiff * l->mu[first]);
+    c[2] = (float)(L->inert * l->mass[0][first]);
+    if (L->kind[b] != LTH_BLOCK_GENERAL) continue;
+    set_samples(L, b);
+    set_inverse(L, b);
+  }
+  L->greatest = greatest_of(ctx, L);
+}
+
+/// Weights in x.
+static void mark_there(LitheCtx *ctx, LthFastLevel *L, double unit) {
+  LitheCount n = L->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
+    for (int a = 0; a < L->grid->dim; a++)
+      for (LitheCount i = 0; i < n; i++)
+        L->x.at[b * L->x.stride + a * n + i] =
+            (float)lth_staggered_pull(L->level, unit, a, b * n + i);
+}
+
+/// Keep the weights in x of a coarse level.
+static LitheStatus keep_pull(LitheCtx *ctx, LthFastLevel *L) {
+  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
+  LTH_NEW(ctx, L->pull, L->grid->n_blocks * block);
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
+    memcpy(L->pull + b * block, L->x.at + b * L->x.stride, sizeof(float) * (size_t)block);
+  return LITHE_OK;
+}
+
+/// Turn sums of weights in x into scales; true where all are 1.
+static bool weights_are_one(const LthFastLevel *L, LitheIndex block) {
+  LitheCount n = L->grid->block_cells;
+  const float *sum = L->x.at + block * L->x.stride;
+  for (LitheCount i = 0; i < L->grid->dim * n; i++)
+    if (sum[i] != 1 || L->level->state[i / n][block * n + i % n] != LTH_UNKNOWN_FREE) return false;
+  return true;
+}
+
+static void set_scale(LthFastLevel *L, LitheIndex block) {
+  LitheCount n = L->grid->block_cells;
+  const float *sum = L->x.at + block * L->x.stride;
+  float *scale = L->scale + L->scaled[block] * L->grid->dim * n;
+  for (LitheCount i = 0; i < L->grid->dim * n; i++)
+    scale[i] = L->level->state[i / n][block * n + i % n] == LTH_UNKNOWN_FREE && sum[i] > 0
+                   ? 1 / sum[i]
+                   : 0;
+}
+
+LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse) {
+  const LthFastKernels *k = lth_fast_kernels(L);
+  double unit = lth_staggered_modulus_unit(coarse->level);
+  mark_there(ctx, coarse, unit);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, false);
+  for (LitheIndex i = 0; i < L->n_active; i++) {
+    LitheIndex b = L->active[i];
+    L->scaled[b] = weights_are_one(L, b) ? -1 : L->n_scaled++;
+  }
+  if (unit > 0) LITHE_TRY(keep_pull(ctx, coarse));
+  LTH_NEW(ctx, L->scale, (LitheCount)L->n_scaled * L->grid->dim * L->grid->block_cells);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < L->n_active; i++)
+    if (L->scaled[L->active[i]] >= 0) set_scale(L, L->active[i]);
+  return LITHE_OK;
+}
+
+/// All zero, as before a solve.
+void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *L) {
+  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++) {
+    memset(L->x.at + b * L->x.stride, 0, sizeof(float) * (size_t)block);
+    memset(L->y.at + b * L->y.stride, 0, sizeof(float) * (size_t)block);
+    memset(L->b.at + b * L->b.stride, 0, sizeof(float) * (size_t)block);
+  }
+}
+
+LitheCount lth_fast_level_bytes(const LthFastLevel *L) {
+  LitheCount n = L->grid->n_blocks, block = (LitheCount)L->grid->dim * L->grid->block_cells;
+  LitheCount values =
+      3 * n + (LitheCount)L->n_general * L->n_sample +
+      ((LitheCount)L->n_general * (L->inertia ? 2 : 1) + L->n_scaled + (L->pull ? n : 0)) * block;
+  return 4 * values + 9 * n + 4 * (LitheCount)L->n_active;
+}

@@ -1,0 +1,92 @@
+/// A level of the staggered multigrid as the fast kernels see it: blocks, single precision, no indices inside.
+/// docs/theory/staggered-multigrid.md, "Kernels".
+#pragma once
+
+#include "disc/staggered/staggered_hierarchy.h"
+
+/// What a block holds. Inside a uniform one all samples that its unknowns touch have one material and all its
+/// unknowns are free: its kernel has constant coefficients.
+typedef enum LthBlockKind { LTH_BLOCK_EMPTY, LTH_BLOCK_UNIFORM, LTH_BLOCK_GENERAL } LthBlockKind;
+
+/// Vectors of a level: the unknowns of block b, component a, stand at [b stride + a block_cells + cell].
+typedef struct LthFastVector {
+  float *at;
+  LitheCount stride; ///< from block to block
+} LthFastVector;
+
+/// Coefficients are those of (cm M + ck K) / unit; unit is the same on all levels.
+typedef struct LthFastLevel {
+  const LthStaggeredLevel *level;
+  const LthSparseGrid *grid;
+  double ratio[3];     ///< h_x / h_a
+  double stiff, inert; ///< |cell| ck / (h_x^2 unit), |cell| cm / unit
+  double stiffest;     ///< bound on the eigenvalues of K times the inverse of its diagonal
+  double greatest;     ///< the same for the operator
+  LitheIndex n_active; ///< blocks with unknowns that are not dead
+  LitheIndex *active;  ///< ascending                                       (n_active)
+  uint8_t *kind;       ///< LthBlockKind                                    (n_blocks)
+  LitheIndex *number;  ///< of a block among the general ones, else -1      (n_blocks)
+  LitheIndex n_general;
+  float *constant; ///< stiff lambda, stiff mu, inert rho of uniform blocks     (n_blocks x 3)
+  float *sample; ///< of general blocks: stiff (lambda, mu, shear), padded    (n_general x n_sample)
+  LitheIndex n_sample; ///< of one block
+  float *
+      inertia; ///< inert mass of unknowns, NULL where cm stays 0       (n_general x dim x block_cells)
+  float
+      *inverse; ///< of the diagonal, 0 where not free               (n_general x dim x block_cells)
+  LitheIndex *scaled; ///< number of a block among those with `scale`, else -1     (n_blocks)
+  LitheIndex n_scaled;
+  float *pull;  ///< weight of unknowns in interpolation to a finer level, NULL: all alike
+                ///<                                           (n_blocks x dim x block_cells)
+  float *scale; ///< of interpolated values: 1 / sum of the weights that count, 0 where not free
+                ///<                                                 (n_scaled x dim x block_cells)
+  LthFastVector x, y, b; ///< iterate, the one before, right-hand side
+} LthFastLevel;
+
+/// Sort the blocks of a level: enough for LthFastKernels.apply.
+LitheStatus lth_fast_level_analyse(LitheCtx *ctx, const LthStaggeredLevel *level,
+                                   LthFastLevel *fast);
+/// Make room for coefficients, once; `with_mass`: cm may differ from 0. Vectors are the caller's.
+LitheStatus lth_fast_level_reserve(LitheCtx *ctx, LthFastLevel *fast, bool with_mass);
+void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *fast);
+/// Set coefficients for cm M + ck K.
+void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *fast, double cm, double ck, double unit);
+/// Scales of the interpolation from a coarser level, once; both levels' x are overwritten.
+LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *fast, LthFastLevel *coarse);
+/// Zeros in all vectors.
+void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *fast);
+LitheCount lth_fast_level_bytes(const LthFastLevel *fast);
+
+/// One step of a polynomial smoother.
+typedef struct LthFastStep {
+  float momentum, length; ///< y <- x + momentum (x - y) + length D^-1 (b - A x)
+  bool fresh;             ///< y counts as zero
+  bool product;           ///< b . (new y) is wanted
+} LthFastStep;
+
+/// Kernels on one block; the same for 2D and 3D.
+typedef struct LthFastKernels {
+  /// A step; returns b . (new y), or 0.
+  double (*smooth)(const LthFastLevel *L, LitheIndex block, LthFastStep step);
+  /// x = length D^-1 b.
+  void (*start)(const LthFastLevel *L, LitheIndex block, float length);
+  /// y = scale (b - A x), and y = scale b: ready to be restricted.
+  void (*residual)(const LthFastLevel *L, LitheIndex block);
+  void (*weigh)(const LthFastLevel *L, LitheIndex block);
+  /// Right-hand side of a coarse block from the fine level's y.
+  void (*restrict_to)(const LthFastLevel *fine, const LthFastLevel *coarse,
+                      LitheIndex coarse_block);
+  /// x += P x_coarse (or x = ...) in the fine blocks below a coarse one.
+  void (*prolong_from)(const LthFastLevel *fine, const LthFastLevel *coarse,
+                       LitheIndex coarse_block, bool add);
+  /// q = (cm M + ck K) p in double precision, unit not taken out; both with stride dim block_cells. 0 where not free, or
+  /// (`held`) where dead. Returns p . q.
+  double (*apply)(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
+                  const double *p, double *q);
+} LthFastKernels;
+
+extern const LthFastKernels lth_fast_kernels_2d, lth_fast_kernels_3d;
+
+static inline const LthFastKernels *lth_fast_kernels(const LthFastLevel *L) {
+  return L->grid->dim == 3 ? &lth_fast_kernels_3d : &lth_fast_kernels_2d;
+}

@@ -1,0 +1,138 @@
+/// The life of a staggered multigrid solver: what is allocated when, and coefficients of all levels.
+#include "disc/staggered/staggered_multigrid_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Unknowns up to which the coarsest level is worth a factor.
+static LitheCount factor_limit(int dim) { return dim == 3 ? 30000 : 200000; }
+
+LitheStatus lth_staggered_multigrid_create(LitheCtx *ctx, const LthStaggeredMultigridDef *def,
+                                           LthStaggeredMultigrid **multigrid) {
+  LitheStatus status = LITHE_OK;
+  LTH_NEW(ctx, *multigrid, 1);
+  LthStaggeredMultigrid *M = *multigrid;
+  M->def = *def;
+  M->fine = *def->level;
+  M->n_levels = 1;
+  M->block = (LitheCount)M->fine.grid->dim * M->fine.grid->block_cells;
+  LITHE_TRY_OR(done, lth_fast_level_analyse(ctx, &M->fine, &M->level[0]));
+  LitheCount n = M->fine.grid->n_blocks * M->block;
+  LTH_NEW_OR(done, ctx, M->p, n);
+  LTH_NEW_OR(done, ctx, M->work, n);
+  LTH_NEW_OR(done, ctx, M->sum, M->level[0].n_active);
+done:
+  if (status != LITHE_OK) lth_staggered_multigrid_destroy(ctx, multigrid);
+  return status;
+}
+
+void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **multigrid) {
+  LthStaggeredMultigrid *M = *multigrid;
+  if (!M) return;
+  lth_staggered_coarsest_free(ctx, &M->coarsest);
+  for (int l = 0; l < LTH_STAGGERED_MAX_LEVELS; l++) {
+    lth_fast_level_free(ctx, &M->level[l]);
+    lth_free(ctx, M->vectors[l]);
+  }
+  lth_staggered_hierarchy_destroy(ctx, &M->hierarchy);
+  lth_free(ctx, M->p);
+  lth_free(ctx, M->r);
+  lth_free(ctx, M->work);
+  lth_free(ctx, M->sum);
+  lth_free(ctx, M->extra_x);
+  lth_free(ctx, M->extra_y);
+  lth_free(ctx, M);
+  *multigrid = NULL;
+}
+
+/// Level 0 shares its x and y with q, block by block; the others have x, y and b of their own.
+static LitheStatus lend_vectors(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
+  LthFastLevel *L = &M->level[l];
+  LitheCount n = (LitheCount)L->grid->dim * L->grid->block_cells;
+  int own = l == 0 ? 1 : 3;
+  LTH_NEW(ctx, M->vectors[l], own * n * L->grid->n_blocks);
+  float *at = M->vectors[l], *work = (float *)M->work;
+  L->x = l == 0 ? (LthFastVector){work, 2 * n} : (LthFastVector){at, 3 * n};
+  L->y = l == 0 ? (LthFastVector){work + n, 2 * n} : (LthFastVector){at + n, 3 * n};
+  L->b = l == 0 ? (LthFastVector){at, n} : (LthFastVector){at + 2 * n, 3 * n};
+  return LITHE_OK;
+}
+
+static LitheStatus build_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  LITHE_TRY(lth_staggered_hierarchy_create(ctx, &M->fine, NULL, &M->hierarchy));
+  LTH_NEW(ctx, M->r, M->fine.grid->n_blocks * M->block);
+  for (int l = 1; l < M->hierarchy->n_levels; l++, M->n_levels++)
+    LITHE_TRY(lth_fast_level_analyse(ctx, &M->hierarchy->level[l], &M->level[l]));
+  for (int l = 0; l < M->n_levels; l++) LITHE_TRY(lend_vectors(ctx, M, l));
+  for (int l = 0; l + 1 < M->n_levels; l++)
+    LITHE_TRY(lth_fast_level_link(ctx, &M->level[l], &M->level[l + 1]));
+  for (int l = 0; l < M->n_levels; l++) lth_fast_level_clear(ctx, &M->level[l]);
+  LthFastLevel *last = &M->level[M->n_levels - 1];
+  return lth_staggered_coarsest_create(ctx, last, factor_limit(M->fine.grid->dim), &M->coarsest);
+}
+
+/// Largest coefficient: what single precision is measured in.
+static double unit_of(const LthStaggeredMultigrid *M, double cm, double ck) {
+  const LthStaggeredLevel *l = &M->fine;
+  double mu = 0, rho = 0, h = l->grid->h[0];
+  for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+    mu = fmax(mu, l->mu[s]);
+    rho = fmax(rho, l->mass[0][s]);
+  }
+  return lth_sparse_grid_cell_volume(l->grid) * (cm * rho + ck * mu / (h * h));
+}
+
+/// Steps of a smoother: shear is the softer against the diagonal the closer nu comes to 0.5.
+static int degree_of(const LthStaggeredMultigrid *M) {
+  double ratio = 0;
+  if (M->def.degree > 0) return M->def.degree;
+  for (LitheCount s = 0; s < M->fine.grid->n_slots; s++)
+    if (M->fine.mu[s] > 0) ratio = fmax(ratio, M->fine.lambda[s] / M->fine.mu[s]);
+  return (int)fmin(20, round(3 * sqrt(2 + ratio)));
+}
+
+LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid *M, double cm,
+                                            double ck) {
+  bool built = M->hierarchy != NULL;
+  if (!built) LITHE_TRY(build_levels(ctx, M));
+  if (built && M->cm == cm && M->ck == ck) return LITHE_OK;
+  M->cm = cm;
+  M->ck = ck;
+  M->unit = unit_of(M, cm, ck);
+  M->degree = degree_of(M);
+  for (int l = 0; l < M->n_levels; l++) {
+    LITHE_TRY(lth_fast_level_reserve(ctx, &M->level[l], cm != 0));
+    lth_fast_level_set(ctx, &M->level[l], cm, ck, M->unit);
+  }
+  return lth_staggered_coarsest_set(ctx, &M->coarsest, cm, ck, M->unit);
+}
+
+void lth_staggered_multigrid_apply(LthStaggeredMultigrid *M, int threads, double cm, double ck,
+                                   bool held, const double *x, double *y) {
+  const LthFastLevel *L = &M->level[0];
+  const LthFastKernels *k = lth_fast_kernels(L);
+  lth_staggered_scatter(M, threads, false, x, M->p);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex i = 0; i < L->n_active; i++)
+    k->apply(L, L->active[i], cm, ck, held, M->p, M->work);
+  lth_staggered_gather(M, threads, held, M->work, y);
+}
+
+LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *M) {
+  LitheCount values = M->fine.grid->n_blocks * M->block, bytes = 16 * values;
+  if (M->r) bytes += 8 * values + lth_staggered_hierarchy_bytes(M->hierarchy);
+  if (M->extra_x) bytes += 16 * M->def.n_dofs;
+  for (int l = 0; l < M->n_levels; l++) {
+    const LthSparseGrid *g = M->level[l].grid;
+    bytes += lth_fast_level_bytes(&M->level[l]);
+    if (M->vectors[l])
+      bytes += (l == 0 ? 4 : 12) * (LitheCount)g->n_blocks * g->dim * g->block_cells;
+  }
+  return bytes;
+}
+
+int lth_staggered_multigrid_levels(const LthStaggeredMultigrid *M) { return M->n_levels; }
+
+LitheCount lth_staggered_multigrid_unknowns(const LthStaggeredMultigrid *M, int level) {
+  return M->hierarchy ? M->hierarchy->n_free[level] : 0;
+}

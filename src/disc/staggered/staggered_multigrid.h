@@ -1,0 +1,49 @@
+/// Solves of (cm M + ck K) w = f on a staggered grid: conjugate gradients in double precision, a V-cycle in single
+/// precision as preconditioner, full multigrid as start (docs/theory/staggered-multigrid.md).
+#pragma once
+
+#include "disc/staggered/staggered_level.h"
+#include "la/krylov.h"
+
+typedef struct LthStaggeredMultigrid LthStaggeredMultigrid;
+
+typedef struct LthStaggeredMultigridDef {
+  const LthStaggeredLevel *level; ///< arrays borrowed for life
+  const LitheIndex
+      *func; ///< function of a slot, -1: none; NULL: the slot itself. Borrowed for life (n_slots)
+  LitheCount
+      n_dofs; ///< 3 x functions: what vectors below are long; component a of function i at 3 i + a
+  int degree; ///< steps of a smoother; 0: by Poisson's ratio
+  int band;   ///< more steps near boundaries and interfaces
+} LthStaggeredMultigridDef;
+
+/// Enough for lth_staggered_multigrid_apply().
+LitheStatus lth_staggered_multigrid_create(LitheCtx *ctx, const LthStaggeredMultigridDef *def,
+                                           LthStaggeredMultigrid **multigrid);
+void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **multigrid);
+
+/// y = (cm M + ck K) x: held unknowns of x count; y is 0 where not free, or (`held`) where dead. x may be y.
+void lth_staggered_multigrid_apply(LthStaggeredMultigrid *multigrid, int threads, double cm,
+                                   double ck, bool held, const double *x, double *y);
+
+/// Levels and coefficients for cm M + ck K; allocates at the first call, and where cm turns from 0 to more.
+LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                            double cm, double ck);
+
+/// Solve from the w given until |r| <= tolerance |rhs|, with `extra` as LthDiscSolver.solve() has it. Where w = 0 and
+/// extra is NULL, full multigrid makes the first guess. Allocates nothing but for the first `extra`.
+LitheStatus lth_staggered_multigrid_solve(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                          const LthOperator *extra, const double *rhs, double *w,
+                                          double tolerance, LitheIndex max_iterations,
+                                          LthSolveReport *report);
+
+/// z = one V-cycle on r from zero; w = one pass of full multigrid for rhs (its time is that of the solver alone).
+LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                          const double *r, double *z);
+LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                         const double *rhs, double *w);
+
+LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *multigrid);
+int lth_staggered_multigrid_levels(const LthStaggeredMultigrid *multigrid);
+/// Unknowns that are free, on a level.
+LitheCount lth_staggered_multigrid_unknowns(const LthStaggeredMultigrid *multigrid, int level);

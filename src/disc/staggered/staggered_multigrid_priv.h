@@ -1,0 +1,38 @@
+/// The open solver, shared by staggered_multigrid.c, staggered_cycle.c and staggered_cg.c.
+#pragma once
+
+#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_fast.h"
+#include "disc/staggered/staggered_multigrid.h"
+
+struct LthStaggeredMultigrid {
+  LthStaggeredMultigridDef def;
+  LthStaggeredLevel fine;
+  LthStaggeredHierarchy *hierarchy; ///< NULL before the first prepare()
+  int n_levels;                     ///< 1 before that
+  LthFastLevel level[LTH_STAGGERED_MAX_LEVELS];
+  LthStaggeredCoarsest coarsest;
+  double cm, ck, unit;
+  int degree;
+  LitheCount block; ///< values of a block: dim block_cells
+  double *p, *r;    ///< direction, residual                               (n_blocks x block)
+  double *work;     ///< q = A p, and in the same place x and y of level 0 (n_blocks x block)
+  float *vectors[LTH_STAGGERED_MAX_LEVELS]; ///< b of level 0; x, y and b of the others
+  double *sum;                              ///< one of each active block  (n_active)
+  double *extra_x, *extra_y;                ///< of `extra`, or NULL                   (n_dofs)
+};
+
+/// x of level l from its b by one V-cycle, from zero or from x; returns b . x on level 0.
+LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool from_zero,
+                                double *product);
+/// x of level 0 from its b: every level's start is the coarser one's solution.
+LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M);
+
+/// Sum of M->sum in order.
+double lth_staggered_sum(const LthStaggeredMultigrid *M);
+/// Values of the finest blocks from a vector of functions; all of them, or (`free`) 0 where not free.
+void lth_staggered_scatter(const LthStaggeredMultigrid *M, int threads, bool only_free,
+                           const double *x, double *blocks);
+/// The way back: y = blocks at unknowns that are free, or (`held`) not dead; else y is 0.
+void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held,
+                          const double *blocks, double *y);

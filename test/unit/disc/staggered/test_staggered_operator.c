@@ -1,0 +1,281 @@
+/// The fast operator and transfers of the staggered method against their plain twins, and the operator's own properties.
+#include "disc/staggered/staggered_multigrid_priv.h"
+#include "staggered_shape.h"
+
+#include <string.h>
+
+static bool brick_inside(const double x[3]) {
+  return x[0] > 0 && x[0] < 1 && x[1] > 0 && x[1] < 1 && (x[2] > 0 || x[2] == 0) && x[2] < 1;
+}
+static bool brick_held(const double x[3]) { return x[0] <= 1e-9; }
+static double two_materials(const double x[3]) { return x[0] + 0.3 * x[1] > 0.6 ? 1e3 : 1; }
+/// Materials and holes without any order, the same at the same place.
+static double noise(const double x[3], int seed) {
+  uint64_t s = (uint64_t)(1e4 * (x[0] + 2)) * 1000003 + (uint64_t)(1e4 * (x[1] + 2)) * 7919 +
+               (uint64_t)(1e4 * (x[2] + 2)) * 104729 + (uint64_t)seed;
+  test_random(&s);
+  return test_random(&s);
+}
+static double random_young(const double x[3]) { return 0.5 + noise(x, 1); }
+static bool random_inside(const double x[3]) {
+  return x[0] > 0 && x[0] < 1 && x[1] > 0 && x[1] < 1 && x[2] >= 0 && x[2] < 1 && noise(x, 2) > 0.2;
+}
+static bool random_held(const double x[3]) { return noise(x, 3) > 0.95; }
+
+static const ShapeDef cases[] = {
+    {.dim = 2, .n = 70, .inside = ring_inside, .held = ring_held, .nu = 0.3, .rho = 2},
+    {.dim = 2,
+     .n = 70,
+     .inside = ring_inside,
+     .held = ring_held,
+     .young = two_materials,
+     .nu = 0.45,
+     .rho = 1,
+     .stretch = 0.4},
+    {.dim = 2,
+     .n = 40,
+     .inside = random_inside,
+     .held = random_held,
+     .young = random_young,
+     .nu = 0.2,
+     .rho = 1},
+    {.dim = 3, .n = 40, .inside = brick_inside, .held = brick_held, .nu = 0.3, .rho = 2},
+    {.dim = 3,
+     .n = 26,
+     .inside = ball_inside,
+     .held = ball_held,
+     .young = two_materials,
+     .nu = 0.3,
+     .rho = 1,
+     .stretch = 0.4},
+    {.dim = 3,
+     .n = 18,
+     .inside = random_inside,
+     .held = random_held,
+     .young = random_young,
+     .nu = 0.2,
+     .rho = 1},
+};
+enum { N_CASES = sizeof cases / sizeof *cases };
+
+typedef struct Fixture {
+  LitheCtx *ctx;
+  ShapeLevel shape;
+  LthStaggeredMultigrid *M;
+  LitheCount n;
+} Fixture;
+
+static Fixture fixture(const ShapeDef *def) {
+  Fixture F = {.ctx = test_ctx()};
+  F.shape = shape_level(F.ctx, def);
+  F.n = 3 * F.shape.grid->n_slots;
+  LthStaggeredMultigridDef d = {.level = &F.shape.level, .n_dofs = F.n};
+  CHECK_OK(F.ctx, lth_staggered_multigrid_create(F.ctx, &d, &F.M));
+  return F;
+}
+
+static void fixture_free(Fixture *F) {
+  lth_staggered_multigrid_destroy(F->ctx, &F->M);
+  shape_free(&F->shape);
+  lithe_ctx_destroy(&F->ctx);
+}
+
+/// Random values where unknowns are not dead (or free).
+static void randomise(const LthStaggeredLevel *l, uint64_t *seed, bool free, double *u[3]) {
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++)
+      if (free ? l->state[a][s] == LTH_UNKNOWN_FREE : l->state[a][s] != LTH_UNKNOWN_DEAD)
+        u[a][s] = 2 * test_random(seed) - 1;
+}
+
+static double largest(const LthSparseGrid *g, double *const u[3]) {
+  double most = 0;
+  for (int a = 0; a < g->dim; a++)
+    for (LitheCount s = 0; s < g->n_slots; s++) most = fmax(most, fabs(u[a][s]));
+  return most;
+}
+
+static void matrix_free_operator_is_the_plain_one_to_rounding(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    const LthSparseGrid *g = F.shape.grid;
+    double *u[3], *y[3], *x = lth_alloc(F.ctx, F.n, 8), *Ax = lth_alloc(F.ctx, F.n, 8);
+    uint64_t seed = 5;
+    shape_vectors(&F.shape, g, u);
+    shape_vectors(&F.shape, g, y);
+    randomise(&F.shape.level, &seed, false, u);
+    for (LitheCount s = 0; s < g->n_slots; s++)
+      for (int a = 0; a < g->dim; a++) x[3 * s + a] = u[a][s];
+    for (int k = 0; k < 2; k++) {
+      double cm = k * 300, ck = 0.7;
+      lth_staggered_apply_ref(F.ctx, &F.shape.level, cm, ck, (const double *const *)u, y);
+      lth_staggered_multigrid_apply(F.M, lth_threads(F.ctx), cm, ck, false, x, Ax);
+      double scale = largest(g, y);
+      for (LitheCount s = 0; s < g->n_slots; s++)
+        for (int a = 0; a < 3; a++)
+          CHECK_NEAR(Ax[3 * s + a], a < g->dim ? y[a][s] : 0, 2e-15 * 10 * scale);
+    }
+    shape_vectors_free(&F.shape, u);
+    shape_vectors_free(&F.shape, y);
+    lth_free(F.ctx, x);
+    lth_free(F.ctx, Ax);
+    fixture_free(&F);
+  }
+}
+
+/// Copy between a fast vector and components over slots.
+static void to_fast(const LthFastLevel *L, LthFastVector v, double *const u[3]) {
+  LitheCount n = L->grid->block_cells;
+  for (LitheCount s = 0; s < L->grid->n_slots; s++)
+    for (int a = 0; a < L->grid->dim; a++) v.at[s / n * v.stride + a * n + s % n] = (float)u[a][s];
+}
+static double fast_at(const LthFastLevel *L, LthFastVector v, int a, LitheCount s) {
+  LitheCount n = L->grid->block_cells;
+  return v.at[s / n * v.stride + a * n + s % n];
+}
+
+static void check_level(Fixture *F, int l, double cm, double ck) {
+  LthFastLevel *L = &F->M->level[l];
+  const LthFastKernels *k = lth_fast_kernels(L);
+  double *u[3], *b[3], *y[3];
+  uint64_t seed = 11;
+  shape_vectors(&F->shape, L->grid, u);
+  shape_vectors(&F->shape, L->grid, b);
+  shape_vectors(&F->shape, L->grid, y);
+  randomise(L->level, &seed, true, u);
+  randomise(L->level, &seed, true, b);
+  to_fast(L, L->x, u);
+  to_fast(L, L->b, b);
+  lth_staggered_apply_ref(F->ctx, L->level, cm / F->M->unit, ck / F->M->unit,
+                          (const double *const *)u, y);
+  double scale = largest(L->grid, y) + 1;
+  for (LitheIndex i = 0; i < L->n_active; i++) {
+    LitheIndex block = L->active[i];
+    LitheIndex hide = L->scaled[block];
+    L->scaled[block] = -1;
+    k->residual(L, block);
+    L->scaled[block] = hide;
+    LitheCount n = L->grid->block_cells;
+    for (LitheCount s = block * n; s < (block + 1) * n; s++)
+      for (int a = 0; a < L->grid->dim; a++)
+        if (L->level->state[a][s] == LTH_UNKNOWN_FREE)
+          CHECK_NEAR(fast_at(L, L->y, a, s), b[a][s] - y[a][s], 2e-6 * scale);
+  }
+  lth_staggered_diagonal_ref(F->ctx, L->level, cm / F->M->unit, ck / F->M->unit, y);
+  for (LitheIndex i = 0; i < L->n_active; i++) {
+    k->start(L, L->active[i], 1);
+    LitheCount n = L->grid->block_cells;
+    for (LitheCount s = L->active[i] * n; s < (L->active[i] + 1) * n; s++)
+      for (int a = 0; a < L->grid->dim; a++) {
+        double want = L->level->state[a][s] == LTH_UNKNOWN_FREE ? b[a][s] / y[a][s] : 0;
+        CHECK_NEAR(fast_at(L, L->x, a, s), want, 1e-6 * fabs(want));
+      }
+  }
+  shape_vectors_free(&F->shape, u);
+  shape_vectors_free(&F->shape, b);
+  shape_vectors_free(&F->shape, y);
+}
+
+static void single_precision_rows_agree_on_every_level(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    for (int k = 0; k < 2; k++) {
+      CHECK_OK(F.ctx, lth_staggered_multigrid_prepare(F.ctx, F.M, 300 * k, 0.7));
+      for (int l = 0; l < F.M->n_levels; l++) check_level(&F, l, 300 * k, 0.7);
+    }
+    fixture_free(&F);
+  }
+}
+
+static void check_transfer(Fixture *F, int l) {
+  LthFastLevel *L = &F->M->level[l], *C = &F->M->level[l + 1];
+  const LthFastKernels *k = lth_fast_kernels(L);
+  double *u[3], *r[3], *Pu[3], *Rr[3];
+  uint64_t seed = 13;
+  shape_vectors(&F->shape, L->grid, r);
+  shape_vectors(&F->shape, L->grid, Pu);
+  shape_vectors(&F->shape, C->grid, u);
+  shape_vectors(&F->shape, C->grid, Rr);
+  randomise(C->level, &seed, true, u);
+  randomise(L->level, &seed, true, r);
+  lth_staggered_prolong_ref(F->ctx, C->level, L->level, (const double *const *)u, Pu);
+  lth_staggered_restrict_ref(F->ctx, C->level, L->level, (const double *const *)r, Rr);
+  lth_fast_level_clear(F->ctx, L);
+  lth_fast_level_clear(F->ctx, C);
+  to_fast(C, C->x, u);
+  to_fast(L, L->b, r);
+  for (LitheIndex b = 0; b < C->grid->n_blocks; b++) k->prolong_from(L, C, b, true);
+  for (LitheIndex i = 0; i < L->n_active; i++) k->weigh(L, L->active[i]);
+  for (LitheIndex i = 0; i < C->n_active; i++) k->restrict_to(L, C, C->active[i]);
+  for (LitheCount s = 0; s < L->grid->n_slots; s++)
+    for (int a = 0; a < L->grid->dim; a++) CHECK_NEAR(fast_at(L, L->x, a, s), Pu[a][s], 1e-6);
+  for (LitheCount s = 0; s < C->grid->n_slots; s++)
+    for (int a = 0; a < L->grid->dim; a++)
+      if (C->level->state[a][s] == LTH_UNKNOWN_FREE)
+        CHECK_NEAR(fast_at(C, C->b, a, s), Rr[a][s], 1e-5);
+  shape_vectors_free(&F->shape, r);
+  shape_vectors_free(&F->shape, Pu);
+  shape_vectors_free(&F->shape, u);
+  shape_vectors_free(&F->shape, Rr);
+}
+
+static void fast_transfers_are_the_plain_ones(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    CHECK_OK(F.ctx, lth_staggered_multigrid_prepare(F.ctx, F.M, 0, 1));
+    for (int l = 0; l + 1 < F.M->n_levels; l++) check_transfer(&F, l);
+    fixture_free(&F);
+  }
+}
+
+/// Rows that the coarsest level's matrix is made of.
+static void rows_are_those_of_the_operator(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    const LthStaggeredLevel *l = &F.shape.level;
+    double *u[3], *y[3];
+    uint64_t seed = 17;
+    shape_vectors(&F.shape, l->grid, u);
+    shape_vectors(&F.shape, l->grid, y);
+    randomise(l, &seed, false, u);
+    lth_staggered_apply_ref(F.ctx, l, 3, 2, (const double *const *)u, y);
+    double scale = largest(l->grid, y);
+    for (int a = 0; a < l->grid->dim; a++)
+      for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+        if (l->state[a][s] != LTH_UNKNOWN_FREE) continue;
+        LthStaggeredEntry entry[LTH_STAGGERED_ROW];
+        int n = lth_staggered_row(l, 3, 2, a, s, entry);
+        double sum = 0;
+        for (int e = 0; e < n; e++) sum += entry[e].value * u[entry[e].b][entry[e].slot];
+        CHECK_NEAR(sum, y[a][s], 2e-15 * 10 * scale);
+      }
+    shape_vectors_free(&F.shape, u);
+    shape_vectors_free(&F.shape, y);
+    fixture_free(&F);
+  }
+}
+
+static void uniform_blocks_are_found(void **state) {
+  (void)state;
+  Fixture F = fixture(&cases[3]);
+  LitheIndex uniform = 0;
+  for (LitheIndex b = 0; b < F.shape.grid->n_blocks; b++)
+    uniform += F.M->level[0].kind[b] == LTH_BLOCK_UNIFORM;
+  assert_true(uniform >= 27);
+  fixture_free(&F);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(matrix_free_operator_is_the_plain_one_to_rounding),
+      cmocka_unit_test(single_precision_rows_agree_on_every_level),
+      cmocka_unit_test(fast_transfers_are_the_plain_ones),
+      cmocka_unit_test(rows_are_those_of_the_operator),
+      cmocka_unit_test(uniform_blocks_are_found),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
