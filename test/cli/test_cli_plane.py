@@ -1,4 +1,5 @@
 """Scenes in two dimensions from outside: masks and shapes, and what is refused in them."""
+import json
 import os
 import struct
 import zlib
@@ -10,12 +11,13 @@ dimension: 2
 bodies:
   - name: plate
     shape: {image: {file: mask.png, threshold: 100, spacing: [1 cm, 1 cm]}}
-    material: {young_modulus: "1e6*value", poisson_ratio: 0.3}
+    material: {model: linear, young_modulus: "1e6*value", poisson_ratio: 0.3}
     method: {kind: staggered, cell_size: 5 mm}
     constraints:
       - {where: {box: {min: [0, 0], max: [1, 0.01]}}, displacement: [0, 0]}
+      - {where: {box: {min: [0, 0.025], max: [1, 1]}}, displacement: [0, -0.1 mm]}
     loads:
-      - {where: {normal: [0, 1]}, traction: [0, -1 kPa]}
+      - {body_force: [0, 0]}
 output: {fields: [none]}
 """
 
@@ -54,8 +56,8 @@ with folder() as d:
             ("a_volume_is_no_mask", "bodies.0.shape.image.file=brain.nii.gz", "cannot be read"),
             ("a_mesh_is_refused", "bodies.0.shape={mesh: {file: bunny.obj}}",
              "bodies.0.shape.mesh: it is of scenes in three dimensions, got mesh in `dimension: 2`"),
-            ("three_entries_are_refused", "bodies.0.loads.0.traction=[0, 0, 1]",
-             "bodies.0.loads.0.traction: wrong length, got a list of 3; expected a list of 2 numbers [Pa]"),
+            ("three_entries_are_refused", "bodies.0.loads.0.body_force=[0, 0, 1]",
+             "bodies.0.loads.0.body_force: wrong length, got a list of 3; expected a list of 2 numbers [N/m^3]"),
             ("a_polygon_that_crosses_itself_is_told",
              "bodies.0.shape={polygon: [[0, 0], [3, 0], [0, 2], [4, 3]]}", "touches or crosses itself"),
             ("dg_is_refused", "bodies.0.method={kind: dg, cells: [4, 4]}",
@@ -68,5 +70,24 @@ with folder() as d:
     got = checks(d, "dimension=3")
     expect("a_mask_is_no_volume", got.returncode == 2 and "a flat image, got \"mask.png\" in three dimensions" in
            got.stderr, got.stderr)
+
+    # five pixels of 1 cm, the upper end pushed down onto the base
+    got = run("run", "plate.yaml", "--json", "-o", "result", cwd=d)
+    expect("a_mask_runs", got.returncode == 0, got.stderr)
+    result = json.loads(got.stdout) if got.returncode == 0 else {}
+    body = result.get("bodies", [{}])[0]
+    expect("its_area_is_that_of_its_pixels", abs(body.get("volume", 0) - 5e-4) < 1e-15, body)
+    forces = [result.get("reaction", {}).get("bodies.0.constraints.%d" % i, [0, 0])[1] for i in range(2)]
+    expect("the_base_carries_what_pushes", forces[0] > 0 and abs(sum(forces)) < 1e-9 * forces[0], forces)
+
+SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes")
+with folder() as d:
+    errors = []
+    for cells in (16, 32):
+        got = run("run", os.path.join(SCENES, "ring.yaml"), "--json", "-o", os.path.join(d, str(cells)), "--set",
+                  "bodies.0.method.cells=%d" % cells, "--set", "output.fields=[none]")
+        expect("the_ring_runs_on_%d_cells" % cells, got.returncode == 0, got.stderr)
+        errors.append(json.loads(got.stdout)["error"]["l1"] if got.returncode == 0 else 1)
+    expect("its_error_falls_with_the_square_of_the_cell", errors[0] > 3 * errors[1], errors)
 
 done()
