@@ -45,6 +45,7 @@ static const struct {
      "methods to compare: --methods dg,staggered (all if not given)"},
     {"--cells", NULL, "LIST", VERIFY,
      "resolutions along the longest side: --cells 8,16,32 (half, once and twice the scene's)"},
+    {"--meshes", NULL, "LIST", VERIFY, "mesh files for cg, coarse to fine: --meshes a.msh,b.msh"},
     {"--tolerance", NULL, "SHARE", VERIFY,
      "how far methods may be apart: --tolerance 1% (stresses three times as far)"},
     {"--set", NULL, "KEY=VALUE", RUN | CHECK | MESH | STUDY | VERIFY,
@@ -185,6 +186,7 @@ static bool apply(int option, const char *value, Args *args) {
   if (strcmp(name, "--tolerance") == 0) return set_tolerance(value, args);
   if (strcmp(name, "--methods") == 0) args->methods = value;
   if (strcmp(name, "--cells") == 0) args->cells = value;
+  if (strcmp(name, "--meshes") == 0) args->meshes = value;
   if (strcmp(name, "--out") == 0) args->out = value;
   if (strcmp(name, "--resume") == 0) args->resume = value;
   if (strcmp(name, "--quick") == 0) args->quick = true;

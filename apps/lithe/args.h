@@ -20,7 +20,7 @@ typedef struct Args {
   bool json, quiet, quick, help, version;
   int threads;                 ///< 0: not given
   int step;                    ///< 0: not given
-  const char *methods, *cells; ///< of verify, or NULL
+  const char *methods, *cells, *meshes; ///< of verify, or NULL
   double tolerance;            ///< of verify, 0: not given
 } Args;
 

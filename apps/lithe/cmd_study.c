@@ -85,6 +85,7 @@ int cmd_verify(const Args *args) {
   def.folder = args->out;
   def.methods = args->methods;
   def.cells = args->cells;
+  def.meshes = args->meshes;
   if (args->tolerance > 0) def.tolerance = args->tolerance;
   def.overrides = overrides;
   def.n_overrides = list_overrides(args, overrides, threads, sizeof threads);

@@ -14,6 +14,8 @@ typedef struct LitheVerifyDef {
   const char *methods; ///< "dg,staggered,cg"; NULL: all that the scene allows
   const char *
       cells; ///< "8,16,32" along the longest side; NULL: half the scene's own, its own, and twice that
+  const char
+      *meshes;      ///< "a.msh,b.msh" beside the scene: what cg takes, coarse to fine; NULL: cells
   double tolerance; ///< how far methods may be apart, as a share; stresses three times as far
   const char *const *overrides; ///< put into every run                       (n_overrides)
   int n_overrides;

@@ -101,6 +101,26 @@ static LitheStatus choose_cells(Verify *v) {
   return LITHE_OK;
 }
 
+/// Mesh files for cg, coarse to fine; their resolution is known once they have run.
+static LitheStatus choose_files(Verify *v) {
+  for (int m = 0; m < v->n_methods && v->def->meshes; m++) {
+    LthVerifyMethod *method = v->method + m;
+    int n = 0;
+    if (method->kind != LTH_METHOD_CG) continue;
+    for (const char *at = v->def->meshes; at;) {
+      size_t length = strcspn(at, ",");
+      if (length == 0 || n == LTH_VERIFY_LEVELS_MAX)
+        LITHE_FAIL(v->run->ctx, LITHE_BAD_INPUT,
+                   "--meshes %s: expected 1 to %d files, coarse to fine, as in a.msh,b.msh",
+                   v->def->meshes, LTH_VERIFY_LEVELS_MAX);
+      method->file[n++] = lth_study_print(v->run, "%.*s", (int)length, at);
+      at = at[length] ? at + length + 1 : NULL;
+    }
+    method->n_levels = n;
+  }
+  return LITHE_OK;
+}
+
 static LitheStatus run_level(Verify *v, const LthVerifyMethod *m, int level,
                              LthStudyResult *result) {
   LthStudyRun *run = v->run;
@@ -110,15 +130,15 @@ static LitheStatus run_level(Verify *v, const LthVerifyMethod *m, int level,
   int n = def->n_overrides + v->scene->n_bodies;
   const char **sets = lth_arena_take(&run->arena, sizeof *sets * (size_t)n);
   if (!sets) LITHE_FAIL(run->ctx, LITHE_NO_MEMORY, "out of memory in a comparison");
-  double factor = m->cells[level] / lth_verify_cells(v->scene->bodies);
   for (int i = 0; i < def->n_overrides; i++) sets[i] = def->overrides[i];
   for (LitheIndex b = 0; b < v->scene->n_bodies; b++)
-    sets[def->n_overrides + b] = lth_verify_override(run, v->scene, b, m, factor);
+    sets[def->n_overrides + b] = lth_verify_override(run, v->scene, b, m, level);
   LitheSceneDef scene_def = lithe_scene_def_default();
   scene_def.file = def->scene;
   scene_def.overrides = sets;
   scene_def.n_overrides = n;
-  const char *folder = lth_study_print(run, "%s/%s-%g", run->folder, m->name, m->cells[level]);
+  const char *folder = lth_study_print(run, "%s/%s-%d", run->folder, m->name,
+                                       m->file[level] ? level + 1 : (int)m->cells[level]);
   LitheStatus status = lithe_scene_read(run->ctx, &scene_def, &scene);
   if (status == LITHE_OK) status = lithe_run(run->ctx, scene, folder, &out);
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED) {
@@ -137,10 +157,11 @@ static LitheStatus run_all(Verify *v) {
     if (!result) LITHE_FAIL(v->run->ctx, LITHE_NO_MEMORY, "out of memory in a comparison");
     method->result = result;
     for (int i = 0; i < method->n_levels; i++) {
-      lth_progress(v->run->ctx,
-                   lth_study_print(v->run, "%s, %g cells", method->name, method->cells[i]),
+      lth_progress(v->run->ctx, lth_study_print(v->run, "%s, level %d", method->name, i + 1),
                    (m + (double)i / method->n_levels) / v->n_methods);
       LITHE_TRY(run_level(v, method, i, result + i));
+      if (method->file[i]) // as many elements as a cube with so many along its side
+        method->cells[i] = cbrt(lth_study_number(result + i, "bodies.0.elements"));
     }
   }
   return LITHE_OK;
@@ -149,6 +170,7 @@ static LitheStatus run_all(Verify *v) {
 static LitheStatus compare(Verify *v) {
   LITHE_TRY(choose_methods(v));
   LITHE_TRY(choose_cells(v));
+  LITHE_TRY(choose_files(v));
   LITHE_TRY(run_all(v));
   lth_verify_report(v->run, v->n_methods, v->method, v->def->tolerance);
   return LITHE_OK;

@@ -73,9 +73,13 @@ static const char *settings(LthStudyRun *run, const LthSceneBody *body, LthMetho
 }
 
 const char *lth_verify_override(LthStudyRun *run, const LthScene *scene, LitheIndex b,
-                                const LthVerifyMethod *method, double factor) {
+                                const LthVerifyMethod *method, int level) {
   const LthSceneBody *body = scene->bodies + b;
   const LthMethodKind kind = method->kind;
+  const double factor = method->cells[level] / lth_verify_cells(scene->bodies);
+  if (b == 0 && method->file[level])
+    return lth_study_print(run, "bodies.0.method={kind: cg, mesh: {file: \"%s\"}}",
+                           method->file[level]);
   if (!body->has_shape) // elements of a file stay as they are
     return lth_study_print(run, "bodies.%d.method.kind=%s", b, kind == LTH_METHOD_CG ? "cg" : "dg");
   return lth_study_print(run, "bodies.%d.method={%s, %s}", b,
