@@ -13,7 +13,6 @@ typedef struct LthStaggeredHold {
   bool (*selects)(const void *self, const double x[3]);
   const void *self;
   bool fixed[3];
-  bool normal_only;  ///< a roller: only the component along the nearest boundary's normal, value[0]
   bool is_position;  ///< value is the deformed place, not the displacement
   LthValue value[3]; ///< [m]
 } LthStaggeredHold;

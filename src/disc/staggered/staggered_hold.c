@@ -5,7 +5,7 @@
 static LitheIndex find_hold(const LthStaggered *s, int a, const double x[3]) {
   for (LitheIndex k = 0; k < s->n_holds; k++) {
     const LthStaggeredHold *hold = &s->holds[k];
-    if (hold->fixed[a] && !hold->normal_only && hold->selects(hold->self, x)) return k;
+    if (hold->fixed[a] && hold->selects(hold->self, x)) return k;
   }
   return -1;
 }
