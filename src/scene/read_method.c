@@ -122,7 +122,10 @@ static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body
   body->has_fractions = is_given(node, "fractions");
   body->fractions = (LthFractionDef){.method = LTH_FRACTIONS_EXACT};
   if (lth_node_is_text(fractions, "smooth")) body->fractions.method = LTH_FRACTIONS_SMOOTH;
-  if (fractions && fractions->kind == LTH_NODE_MAP) {
+  if (lth_node_get(fractions, "smooth")) {
+    body->fractions.method = LTH_FRACTIONS_SMOOTH;
+    body->fractions.half_width = lth_read_number(fractions, "smooth", 0);
+  } else if (fractions && fractions->kind == LTH_NODE_MAP) {
     body->fractions.method = LTH_FRACTIONS_SAMPLES;
     body->fractions.samples = lth_read_integer(fractions, "samples", 2);
     if (body->fractions.samples % 2 != 0)

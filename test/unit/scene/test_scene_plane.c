@@ -28,6 +28,10 @@ static void reads_the_keys_of_the_staggered_method(void **state) {
   r = read_override("bodies.0.method.fractions=smooth");
   assert_int_equal(r.scene->bodies[0].fractions.method, LTH_FRACTIONS_SMOOTH);
   end_reading(&r);
+  r = read_override("bodies.0.method.fractions={smooth: 2}");
+  assert_int_equal(r.scene->bodies[0].fractions.method, LTH_FRACTIONS_SMOOTH);
+  CHECK_NEAR(r.scene->bodies[0].fractions.half_width, 2, 0);
+  end_reading(&r);
   r = read_override("bodies.0.method.formulation=mixed");
   assert_int_equal(r.scene->bodies[0].formulation, LTH_FORMULATION_MIXED);
   end_reading(&r);
