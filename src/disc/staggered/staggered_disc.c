@@ -8,6 +8,7 @@
 static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
   lth_staggered_finite_free(ctx, s);
+  lth_mixed_solver_destroy(ctx, s);
   lth_mixed_state_destroy(ctx, s);
   lth_staggered_solver_destroy(ctx, s);
   s->level.volume = NULL; // freed below
@@ -166,7 +167,8 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(lth_staggered_build_holds(ctx, s));
   LITHE_TRY(lth_mixed_state_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
-  return s->formulation == LTH_FORM_MIXED ? LITHE_OK : lth_staggered_solver_create(ctx, s);
+  LITHE_TRY(lth_staggered_solver_create(ctx, s));
+  return s->formulation == LTH_FORM_MIXED ? lth_mixed_solver_create(ctx, s) : LITHE_OK;
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {

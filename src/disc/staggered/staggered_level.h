@@ -4,8 +4,9 @@
 
 #include "geometry/sparse_grid.h"
 
-/// lambda over mu where nu = 0.5: the augmented Lagrangian of the assembled form (docs/theory/staggered-mixed.md).
-#define LTH_PENALTY 1e3
+/// V lambda over mu where nu = 0.5: the augmented Lagrangian of the assembled form (docs/theory/staggered-mixed.md).
+/// Cut cells have the stiffness of whole ones, lest their pressures lag.
+#define LTH_PENALTY 100
 
 /// What an unknown is. Rule A (docs/theory/staggered.md) says which are dead: they carry no stiffness and no mass.
 typedef enum LthUnknownState {
@@ -25,7 +26,7 @@ typedef enum LthUnknownState {
 /// volume fractions. A sample counts only where its weight is not zero.
 typedef struct LthStaggeredLevel {
   const LthSparseGrid *grid;
-  double *lambda, *mu; ///< V lambda, V mu of cells [Pa]; where nu = 0.5 lambda is LTH_PENALTY mu
+  double *lambda, *mu; ///< V lambda, V mu of cells [Pa]; where nu = 0.5 V lambda is LTH_PENALTY mu
   double *volume;      ///< V of cells; may be NULL but in the mixed form
   double *compliance;  ///< V / lambda of cells [1/Pa], 0 where nu = 0.5; NULL but in the mixed form
   double *shear[3];    ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL

@@ -88,6 +88,11 @@ void lth_mixed_residual(const LthMixedLevel *l, int threads, const double *b, co
 /// A level of cm M + ck K from its coefficients (those of the mixed form), divided by ck.
 LitheStatus lth_mixed_level_create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm,
                                    double ck, bool is_coarse, LthMixedLevel *l);
+/// Other masses, and what depends on them.
+void lth_mixed_level_update(LitheCtx *ctx, const LthStaggeredLevel *from, double cm, double ck,
+                            bool is_coarse, LthMixedLevel *l);
+/// Inverses of the boxes, anew.
+void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l);
 /// Who is whose parent, and weights of the interpolation.
 LitheStatus lth_mixed_link(LitheCtx *ctx, LthMixedLevel *fine, LthMixedLevel *coarse);
 /// Arrays of a level over its grid's slots, with neighbours.
@@ -110,6 +115,7 @@ void lth_mixed_prolong(LthMixedLevel *fine, const LthMixedLevel *coarse, int thr
 /// A direct solver of the coarsest level: l->x from l->b. Too large a level is smoothed.
 typedef struct LthMixedCoarse LthMixedCoarse;
 LitheStatus lth_mixed_coarse_create(LitheCtx *ctx, const LthMixedLevel *l, LthMixedCoarse **coarse);
+LitheStatus lth_mixed_coarse_update(LitheCtx *ctx, LthMixedCoarse *coarse, const LthMixedLevel *l);
 void lth_mixed_coarse_destroy(LitheCtx *ctx, LthMixedCoarse **coarse);
 LitheStatus lth_mixed_coarse_solve(LitheCtx *ctx, LthMixedCoarse *coarse, LthMixedLevel *l);
 
@@ -124,6 +130,8 @@ typedef struct LthMixedGrid {
 /// The hierarchy for cm M + ck K.
 LitheStatus lth_mixed_grid_create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm,
                                   double ck, LthMixedGrid **grid);
+/// The same for other factors; allocates nothing. Where cm is not 0 it must not have been 0 at first.
+LitheStatus lth_mixed_grid_update(LitheCtx *ctx, LthMixedGrid *grid, double cm, double ck);
 void lth_mixed_grid_destroy(LitheCtx *ctx, LthMixedGrid **grid);
 LitheCount lth_mixed_grid_bytes(const LthMixedGrid *grid);
 

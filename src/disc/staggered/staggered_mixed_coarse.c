@@ -85,37 +85,51 @@ static void number_rows(const LthMixedLevel *l, LthMixedCoarse *k) {
       k->row[a * (l->n + 1) + c] = l->flags[c] & LTH_MIXED_FREE << a ? k->n++ : -1;
 }
 
-static LitheStatus assemble(LitheCtx *ctx, const LthMixedLevel *l, LthMixedCoarse *k) {
+static LitheStatus make_pattern(LitheCtx *ctx, const LthMixedLevel *l, LthMixedCoarse *k) {
   LitheStatus status = LITHE_OK;
   LitheCount *row_off = NULL, *block_off = NULL, at = 0;
   LitheIndex *col = NULL, rows = 0;
   LTH_NEW_OR(done, ctx, row_off, k->n + 1);
   LTH_NEW_OR(done, ctx, block_off, k->n + 1);
   LTH_NEW_OR(done, ctx, col, (LitheCount)k->n * ENTRIES);
-  for (int pass = 0; pass < 2; pass++) {
-    at = rows = 0;
-    for (LitheIndex c = 0; c < l->n; c++)
-      for (int a = 0; a < l->dim; a++) {
-        Row row;
-        if (k->row[a * (l->n + 1) + c] < 0) continue;
-        make_row(l, k, a, c, &row);
-        if (pass)
-          memcpy(k->K->values + at, row.value, sizeof *row.value * (size_t)row.n);
-        else
-          memcpy(col + at, row.col, sizeof *col * (size_t)row.n);
-        at += row.n;
-        rows++;
-        row_off[rows] = rows;
-        block_off[rows] = at;
-      }
-    if (!pass)
-      LITHE_TRY_OR(done, lth_block_matrix_create(ctx, k->n, row_off, block_off, col, &k->K));
-  }
+  for (LitheIndex c = 0; c < l->n; c++)
+    for (int a = 0; a < l->dim; a++) {
+      Row row;
+      if (k->row[a * (l->n + 1) + c] < 0) continue;
+      make_row(l, k, a, c, &row);
+      memcpy(col + at, row.col, sizeof *col * (size_t)row.n);
+      at += row.n;
+      rows++;
+      row_off[rows] = rows;
+      block_off[rows] = at;
+    }
+  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, k->n, row_off, block_off, col, &k->K));
 done:
   lth_free(ctx, row_off);
   lth_free(ctx, block_off);
   lth_free(ctx, col);
   return status;
+}
+
+static void fill(const LthMixedLevel *l, const LthMixedCoarse *k) {
+  for (LitheIndex c = 0; c < l->n; c++)
+    for (int a = 0; a < l->dim; a++) {
+      Row row;
+      const LitheIndex i = k->row[a * (l->n + 1) + c];
+      if (i < 0) continue;
+      make_row(l, k, a, c, &row);
+      memcpy(k->K->values + k->K->block_off[i], row.value, sizeof *row.value * (size_t)row.n);
+    }
+}
+
+LitheStatus lth_mixed_coarse_update(LitheCtx *ctx, LthMixedCoarse *k, const LthMixedLevel *l) {
+  if (!k->factor) return LITHE_OK;
+  fill(l, k);
+  LitheStatus status = k->engine->factorize(ctx, k->factor, k->K);
+  if (status != LITHE_NOT_CONVERGED) return status;
+  // parts that hang together by corners alone: sweeps leave them where they are
+  k->engine->destroy(ctx, &k->factor);
+  return LITHE_OK;
 }
 
 void lth_mixed_coarse_destroy(LitheCtx *ctx, LthMixedCoarse **coarse) {
@@ -135,15 +149,9 @@ static LitheStatus create(LitheCtx *ctx, const LthMixedLevel *l, LthMixedCoarse 
   if (k->n > (l->dim == 3 ? MOST_3D : MOST_2D)) return LITHE_OK;
   LTH_NEW(ctx, k->f, k->n);
   k->engine = lth_engine_find("cholesky");
-  LITHE_TRY(assemble(ctx, l, k));
+  LITHE_TRY(make_pattern(ctx, l, k));
   LITHE_TRY(k->engine->analyse(ctx, k->K, &k->factor));
-  LitheStatus status = k->engine->factorize(ctx, k->factor, k->K);
-  if (status ==
-      LITHE_NOT_CONVERGED) { // parts that hang together by corners alone: sweeps leave them where they are
-    k->engine->destroy(ctx, &k->factor);
-    status = LITHE_OK;
-  }
-  return status;
+  return lth_mixed_coarse_update(ctx, k, l);
 }
 
 LitheStatus lth_mixed_coarse_create(LitheCtx *ctx, const LthMixedLevel *l,

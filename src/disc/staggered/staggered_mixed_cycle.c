@@ -22,6 +22,31 @@ LitheStatus lth_mixed_grid_create(LitheCtx *ctx, const LthStaggeredLevel *from, 
   return status;
 }
 
+LitheStatus lth_mixed_grid_update(LitheCtx *ctx, LthMixedGrid *g, double cm, double ck) {
+  for (int i = 0; i < g->n_levels; i++)
+    lth_mixed_level_update(ctx, &g->hierarchy->level[i], cm, ck, i > 0, &g->level[i]);
+  return lth_mixed_coarse_update(ctx, g->coarse, &g->level[g->n_levels - 1]);
+}
+
+static LitheCount level_bytes(const LthMixedLevel *l) {
+  const int dim = l->dim, m = 2 * dim + 1;
+  LitheCount per_slot = 2 * dim * (LitheCount)sizeof(LitheIndex) + 1 + 4 * (dim + 1);
+  per_slot += (LitheCount)sizeof(double) * (3 + (dim == 3 ? 3 : 1) + (l->mass[0] ? dim : 0));
+  per_slot += (LitheCount)sizeof(double) * 3 * (dim + 1) + 2 * (LitheCount)sizeof(LitheIndex);
+  LitheCount listed = l->box_off[LTH_MIXED_COLORS] * (LitheCount)(1 + m * m);
+  for (int color = 0; color < 2; color++) {
+    listed += l->n_cell[color] + l->n_near[color];
+    for (int a = 0; a < dim; a++) listed += l->n_face[a][color];
+  }
+  return l->n * per_slot + listed * (LitheCount)sizeof(LitheIndex);
+}
+
+LitheCount lth_mixed_grid_bytes(const LthMixedGrid *g) {
+  LitheCount bytes = lth_staggered_hierarchy_bytes(g->hierarchy);
+  for (int i = 0; i < g->n_levels; i++) bytes += level_bytes(&g->level[i]);
+  return bytes;
+}
+
 void lth_mixed_grid_destroy(LitheCtx *ctx, LthMixedGrid **grid) {
   if (!*grid) return;
   lth_mixed_coarse_destroy(ctx, &(*grid)->coarse);

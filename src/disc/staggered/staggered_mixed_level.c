@@ -82,7 +82,7 @@ static void find_pressures(LthMixedLevel *l) {
   }
 }
 
-static void copy(LthMixedLevel *l, const LthStaggeredLevel *from, double cm, double ck) {
+static void copy(LthMixedLevel *l, const LthStaggeredLevel *from) {
   for (LitheCount c = 0; c < l->n; c++) {
     l->mu[c] = from->mu[c];
     l->volume[c] = from->volume[c];
@@ -92,7 +92,6 @@ static void copy(LthMixedLevel *l, const LthStaggeredLevel *from, double cm, dou
     for (int a = 0; a < l->dim; a++) {
       if (from->state[a][c] == LTH_UNKNOWN_FREE) l->flags[c] |= LTH_MIXED_FREE << a;
       if (from->state[a][c] == LTH_UNKNOWN_HELD) l->flags[c] |= LTH_MIXED_HELD << a;
-      if (l->mass[a]) l->mass[a][c] = cm / ck * from->mass[a][c];
     }
   }
 }
@@ -111,12 +110,25 @@ static void tie_strips(LthMixedLevel *l) {
     }
 }
 
+static void set_masses(LthMixedLevel *l, const LthStaggeredLevel *from, double inertia,
+                       bool is_coarse) {
+  for (int a = 0; a < l->dim && l->mass[a]; a++)
+    for (LitheCount c = 0; c < l->n; c++) l->mass[a][c] = inertia * from->mass[a][c];
+  if (is_coarse) tie_strips(l);
+}
+
+void lth_mixed_level_update(LitheCtx *ctx, const LthStaggeredLevel *from, double cm, double ck,
+                            bool is_coarse, LthMixedLevel *l) {
+  set_masses(l, from, cm / ck, is_coarse);
+  lth_mixed_invert_boxes(ctx, l);
+}
+
 LitheStatus lth_mixed_level_create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm,
                                    double ck, bool is_coarse, LthMixedLevel *l) {
   l->grid = from->grid;
   LITHE_TRY(lth_mixed_level_allocate(ctx, l, cm != 0 || is_coarse));
-  copy(l, from, cm, ck);
-  if (is_coarse) tie_strips(l);
+  copy(l, from);
+  set_masses(l, from, cm / ck, is_coarse);
   find_pressures(l);
   return lth_mixed_level_sort(ctx, l);
 }

@@ -178,6 +178,16 @@ static void invert_box(double *A, int m, float *inverse) {
     for (int k = 0; k < m; k++) inverse[i * m + k] = (float)(B[i][m + k] * scale[i] * scale[k]);
 }
 
+void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l) {
+  const int m = 2 * l->dim + 1;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex i = 0; i < l->box_off[LTH_MIXED_COLORS]; i++) {
+    double A[49];
+    box_matrix(l, l->box[i], A);
+    invert_box(A, m, l->inverse + (LitheCount)i * m * m);
+  }
+}
+
 static LitheStatus make_boxes(LitheCtx *ctx, LthMixedLevel *l) {
   const int m = 2 * l->dim + 1;
   LitheIndex n = 0;
@@ -193,12 +203,7 @@ static LitheStatus make_boxes(LitheCtx *ctx, LthMixedLevel *l) {
         l->box[n++] = c;
   }
   l->box_off[LTH_MIXED_COLORS] = n;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex i = 0; i < n; i++) {
-    double A[49];
-    box_matrix(l, l->box[i], A);
-    invert_box(A, m, l->inverse + (LitheCount)i * m * m);
-  }
+  lth_mixed_invert_boxes(ctx, l);
   return LITHE_OK;
 }
 

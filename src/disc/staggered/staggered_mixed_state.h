@@ -9,6 +9,13 @@ struct LthMixedState {
   double *latest;   ///< as solved last: in force from the next linearisation on         (n_slots)
   double *trace;    ///< tr e at the last one                                            (n_slots)
   bool is_solved;   ///< solves of the mixed form move them
+
+  const LthDiscSolver *base; ///< of the displacement form: products with K
+  LthMixedGrid *grid;        ///< once prepared, for M inertia + K
+  double inertia, ck;        ///< cm / ck [1/s^2]; ck of the solve at hand
+  LthMixedKrylov *krylov;
+  double *target;    ///< tr e where w = 0; NULL where nu is below 0.5    (n_slots)
+  double *from, *to; ///< scratch                                         (n_dofs)
 };
 
 /// tr e of a live cell at positions x.

@@ -141,3 +141,9 @@ void lth_mixed_add_force(const LthStaggered *s, double c, double *f);
 double lth_mixed_energy(const LthStaggered *s, const double *x);
 /// p of a cell, over what lambda tr e gives [Pa].
 double lth_mixed_pressure(const LthStaggered *s, LitheCount slot);
+
+// staggered_mixed_solver.c
+
+/// Solves of the mixed form, on top of the table's solver for products; needs the state.
+LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s);
+void lth_mixed_solver_destroy(LitheCtx *ctx, LthStaggered *s);

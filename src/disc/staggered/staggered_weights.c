@@ -110,7 +110,7 @@ static void average(const Lattice *t, const int *part, int n, Mean *m) {
   m->mu = m->V * (v / soft);
   m->compliance = volume_soft / n;
   m->lambda = least > 0 ? m->V * (v / volume_soft) : (m->V * (v / bulk_soft) - 2 * m->mu) / 3;
-  if (isinf(m->lambda)) m->lambda = LTH_PENALTY * m->mu;
+  if (isinf(m->lambda)) m->lambda = LTH_PENALTY * m->mu / m->V;
   m->density = mass / n;
 }
 
@@ -130,8 +130,8 @@ static void mean_at(const Weigher *w, const Lattice *t, const int cell[3], const
   double v = 0;
   for (int i = 0; i < n; i++) v += t->v[part[i]];
   v /= n;
-  double lambda = isinf(w->lambda) ? LTH_PENALTY * w->mu : w->lambda;
-  *m = (Mean){v, v * lambda, v * w->mu, v / w->lambda, v * w->density};
+  double lambda = isinf(w->lambda) ? (v > 0 ? LTH_PENALTY * w->mu : 0) : v * w->lambda;
+  *m = (Mean){v, lambda, v * w->mu, v / w->lambda, v * w->density};
 }
 
 static void weigh_slot(const Weigher *w, const Lattice *t, const int cell[3], LitheCount slot) {
