@@ -160,7 +160,8 @@ static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, boo
   if (!same) LITHE_TRY(lth_step_factor(ctx, s));
   memset(s->solution, 0, sizeof *s->solution * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, tolerance));
-  if (plain && s->anderson)
+  // linear bodies need no acceleration, and pressures that they keep from one solve to the next take none
+  if (plain && s->anderson && s->system->warped)
     lth_anderson_step(s->anderson, lth_threads(ctx), s->solution, s->x);
   else
     for (LitheCount i = 0; i < s->n; i++) s->x[i] += s->solution[i];

@@ -52,6 +52,9 @@ with folder() as home:
     expect("the_stress_across_is_the_pressure", abs(stress / (1e3 / 3) - 1) < 0.03, stress)
     expect("without_a_matrix_in_few_iterations",
            result["solver"]["linear"] == "multigrid" and result["solver"]["iterations"] < 20, result["solver"])
+    again = simulate(home, "matrix", RING % 0.5 + "solver: {linear: cholesky}\n")
+    expect("the_matrix_gives_the_same", abs(middle(again)[0] / moved - 1) < 1e-6 and
+           abs(middle(again)[1] / stress - 1) < 1e-5 and again["solver"]["newton_iterations"] < 12, again.get("solver"))
     at = {}
     for way in ("multigrid", "cholesky"):
         at[way], _ = middle(simulate(home, way, RING % 0.5 + DYNAMIC + "solver: {linear: %s}\n" % way))
