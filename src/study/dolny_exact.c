@@ -5,7 +5,7 @@
 #define OUTER 0.8
 
 static const char ring_shape[] = "{annulus: {center: [0, 0], inner: 0.325, outer: 0.8}}";
-static const char inner_side[] = "{disk: {center: [0, 0], radius: 0.6}}";
+static const char inner_side[] = "{disk: {center: [0, 0], radius: 0.325}}";
 
 static double shear_modulus(double poisson) { return 1 / (2 * (1 + poisson)); }
 static double lame_lambda(double poisson) { return poisson / ((1 + poisson) * (1 - 2 * poisson)); }

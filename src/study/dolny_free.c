@@ -11,7 +11,7 @@ static const struct {
   const char *name, *title;
   bool moves_hole;               ///< the grid stays and the hole moves: its rim is the grid's own
   double smooth_l1, smooth_linf; ///< least orders with smooth fractions
-} problems[] = {{"ring", "Lame's ring, free outside", false, 1.8, 0.9},
+} problems[] = {{"ring", "Lame's ring, free outside", false, 1.9, 1.6},
                 {"hole", "Kirsch's hole, free", true, 1.9, 1.6},
                 {"rotating", "rotating ring, free outside", false, 1.9, 1.6}};
 

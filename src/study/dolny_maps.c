@@ -28,6 +28,7 @@ static LitheStatus look_at_errors(void *user, LitheCtx *ctx, const LthWorld *wor
       double at[3];
       if (s->held[3 * (LitheCount)i + a]) continue;
       lth_staggered_place(s, i, a, at);
+      if (lth_shape_value(s->shape, at) > 0) continue; // beyond the surface, as result.json's error
       int px = (int)floor((at[0] + 1) / 2 * map->n), py = (int)floor((1 - at[1]) / 2 * map->n);
       if (px < 0 || py < 0 || px >= map->n || py >= map->n) continue;
       double e =
