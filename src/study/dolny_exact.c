@@ -53,7 +53,7 @@ LthExactCase lth_exact_hole(LthStudyRun *run, double poisson, double cx, double 
                             "{difference: [{box: {min: [-1, -1], max: [1, 1]}}, {disk: {center: "
                             "[%.17g, %.17g], radius: %.17g}}]}",
                             cx, cy, INNER);
-  c.held = "{not: {disk: {center: [0, 0], radius: 0.7}}}";
+  c.held = "{not: {box: {min: [-0.999999, -0.999999], max: [0.999999, 0.999999]}}}"; // the rim
   c.displacement[0] = lth_study_print(run, form, f, kappa + 1, X, 2 * a2, 1 + kappa, X, R, c3, R,
                                       2 * a2 * a2, c3, R);
   c.displacement[1] = lth_study_print(run, form, f, kappa - 3, Y, 2 * a2, 1 - kappa, Y, R, s3, R,
