@@ -103,8 +103,9 @@ static void tie_strips(LthMixedLevel *l) {
     for (int a = 0; a < l->dim; a++) {
       if (!(l->flags[c] & LTH_MIXED_FREE << a)) continue;
       for (int b = 0; b < l->dim; b++) {
+        if (b == a) continue;
         const double *shear = l->shear[3 - a - b];
-        if (b == a || shear[c] > 0 || shear[l->next[2 * b + 1][c]] > 0) continue;
+        if (shear[c] > 0 || shear[l->next[2 * b + 1][c]] > 0) continue;
         l->mass[a][c] += 0.01 * (l->mu[c] + l->mu[l->next[2 * a][c]]) * l->per_h[b] * l->per_h[b];
       }
     }
