@@ -24,7 +24,7 @@ LitheStatus lth_loops_create(LitheCtx *ctx, LitheIndex n_loops, const LitheIndex
 void lth_loops_destroy(LitheCtx *ctx, LthLoops **loops);
 
 /// Signed distance [m], negative inside, 0 on an edge exactly; `nearest` and `normal` (outward, of length 1; either
-/// may be NULL) as of lth_shape_nearest().
+/// may be NULL) as of lth_shape_foot().
 double lth_loops_distance(const LthLoops *loops, const double x[2], double nearest[2],
                           double normal[2]);
 

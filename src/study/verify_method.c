@@ -2,6 +2,7 @@
 #include "study/verify.h"
 
 #include <math.h>
+#include <string.h>
 
 static bool is_axis_box(const LthSceneBody *body) {
   return body->has_shape && body->shape.kind == LTH_SHAPE_BOX;
@@ -52,24 +53,21 @@ static const char *resolution(LthStudyRun *run, const LthSceneBody *body, double
   return lth_study_print(run, "cells: %d", (int)fmax(1, round(factor * lth_verify_cells(body))));
 }
 
-/// The body's own settings where it is of this kind, else good ones.
-static const char *settings(LthStudyRun *run, const LthSceneBody *body, LthMethodKind kind) {
-  bool is_own = body->method_kind == kind;
-  if (kind == LTH_METHOD_DG) {
-    int degree = is_own && body->degree > 0 ? body->degree : 2;
-    return lth_study_print(run, "kind: dg, degree: %d, flux: %s", degree,
-                           is_own && body->flux == LTH_FLUX_BZ ? "bz" : "ip");
-  }
-  if (kind == LTH_METHOD_CG)
-    return is_axis_box(body)                                ? "kind: cg, mesh: hexahedra, degree: 2"
-           : is_own && body->mesh_kind == LTH_MESH_EMBEDDED ? "kind: cg, mesh: embedded"
-                                                            : "kind: cg";
-  if (is_own && body->fractions.method == LTH_FRACTIONS_SMOOTH)
-    return "kind: staggered, fractions: smooth";
-  if (is_own && body->fractions.method == LTH_FRACTIONS_SAMPLES)
-    return lth_study_print(run, "kind: staggered, fractions: {samples: %d}",
-                           body->fractions.samples);
-  return "kind: staggered";
+/// Settings of a kind that the body is not of.
+static const char *settings(const LthSceneBody *body, LthMethodKind kind) {
+  if (kind == LTH_METHOD_DG) return "kind: dg, degree: 2";
+  if (kind == LTH_METHOD_STAGGERED) return "kind: staggered";
+  return is_axis_box(body) ? "kind: cg, mesh: hexahedra, degree: 2" : "kind: cg";
+}
+
+/// The body's own method, finer by a factor.
+static const char *refined(LthStudyRun *run, const LthSceneBody *body, LitheIndex b,
+                           double factor) {
+  const LthResolution *r = &body->resolution;
+  if (r->cell_size > 0)
+    return lth_study_print(run, "bodies.%d.method.cell_size=%.17g", b, r->cell_size / factor);
+  const char *text = resolution(run, body, factor), *value = strchr(text, ':') + 2;
+  return lth_study_print(run, "bodies.%d.method.%s=%s", b, r->has_grid ? "grid" : "cells", value);
 }
 
 const char *lth_verify_override(LthStudyRun *run, const LthScene *scene, LitheIndex b,
@@ -82,7 +80,8 @@ const char *lth_verify_override(LthStudyRun *run, const LthScene *scene, LitheIn
                            method->file[level]);
   if (!body->has_shape) // elements of a file stay as they are
     return lth_study_print(run, "bodies.%d.method.kind=%s", b, kind == LTH_METHOD_CG ? "cg" : "dg");
+  if (!method->settings && body->method_kind == kind) return refined(run, body, b, factor);
   return lth_study_print(run, "bodies.%d.method={%s, %s}", b,
-                         method->settings ? method->settings : settings(run, body, kind),
+                         method->settings ? method->settings : settings(body, kind),
                          resolution(run, body, factor));
 }

@@ -36,6 +36,17 @@ with folder() as home:
     got = run("verify", scene, "--methods", "dg,cg", "--cells", "2,4", "--tolerance", "0.00001", "-o", out)
     expect("methods_that_are_too_far_apart_fail", got.returncode == 1 and "DOES NOT HOLD" in got.stdout,
            got.stdout + got.stderr)
+    own = SCENE.replace("{kind: dg, cells: 4, degree: 2}",
+                        "{kind: staggered, cell_size: 0.5, fractions: {smooth: 2}}")
+    with open(scene, "w") as stream:
+        stream.write(own.replace("{box: {min: [0, 0, 0], max: [2, 1, 1]}}", "{sphere: {center: [0, 0, 0], radius: 1.03}}"))
+    got = run("verify", scene, "--methods", "staggered,dg", "--cells", "5,10", "-o", out)
+    direct = run("run", scene, "-o", os.path.join(home, "direct"))
+    with open(os.path.join(out, "staggered-5", "result.json")) as stream:
+        by_verify = json.load(stream)["energy"]["strain"]
+    with open(os.path.join(home, "direct", "result.json")) as stream:
+        alone = json.load(stream)["energy"]["strain"]
+    expect("a_body_keeps_all_settings_of_its_own_method", by_verify == alone, (by_verify, alone, got.stderr, direct.stderr))
     got = run("verify", scene, "--methods", "dg,fem", "-o", out)
     expect("unknown_method_lists_the_known", got.returncode == 2 and "dg,staggered,cg" in got.stderr, got.stderr)
     got = run("verify", scene, "--methods", "dg", "-o", out)

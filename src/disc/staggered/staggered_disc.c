@@ -150,6 +150,9 @@ static LitheStatus settle(LitheCtx *ctx, LthStaggered *s) {
 
 static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
   copy_def(ctx, def, s);
+  if (s->grid->n_slots > INT32_MAX)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "%lld cells in blocks of the grid are too many for one body",
+               (long long)s->grid->n_slots);
   LITHE_TRY(lth_staggered_level_alloc(ctx, s->grid, &s->level));
   LTH_NEW(ctx, s->volume, s->grid->n_slots);
   s->level.volume = s->volume;

@@ -17,7 +17,7 @@ typedef struct Loading {
 /// An unknown near the boundary.
 typedef struct Rim {
   int a;
-  double slope[3]; ///< -grad_h V as its row sees it: inward of the boundary's normal [1/m]
+  double slope[3]; ///< -grad_h V as its row sees it: along the outward normal [1/m]
   double point[3], normal[3];
 } Rim;
 
