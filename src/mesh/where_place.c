@@ -4,11 +4,32 @@
 #include "base/tensor.h"
 #include "mesh/surface_patch.h"
 
+/// What patches grow on.
+typedef struct Ground {
+  int dim;
+  const LthShape *solid;
+  double resolution;
+} Ground;
+
+static LitheStatus grow_along_curve(LitheCtx *ctx, const LthWhere *w, const Ground *g,
+                                    LthWhereSolid *r) {
+  LthFoot foot = {0};
+  double at[3] = {w->point[0], w->point[1], 0};
+  if (!r->curve) LITHE_TRY(lth_curve_create(ctx, g->solid, g->resolution, &r->curve));
+  LTH_RESERVE(ctx, r->patches, r->cap_patches, r->n_patches + 1);
+  LthGrownPatch *patch = &r->patches[r->n_patches++];
+  *patch = (LthGrownPatch){.node = w};
+  LTH_NEW(ctx, patch->member, r->curve->n);
+  if (!lth_shape_foot(g->solid, at, g->resolution, &foot)) return LITHE_OK;
+  return lth_curve_grow(ctx, r->curve, lth_curve_nearest(r->curve, foot.point, foot.normal),
+                        w->angle, patch->member);
+}
+
 /// Grow the patch of a node on the surface; it is made where there is none.
-static LitheStatus grow(LitheCtx *ctx, const LthWhere *w, const LthShape *solid, double resolution,
-                        LthWhereSolid *r) {
+static LitheStatus grow(LitheCtx *ctx, const LthWhere *w, const Ground *g, LthWhereSolid *r) {
+  if (g->dim == 2) return grow_along_curve(ctx, w, g, r);
   if (!r->bvh) {
-    LITHE_TRY(lth_shape_tessellate(ctx, solid, resolution, &r->own_surface));
+    LITHE_TRY(lth_shape_tessellate(ctx, g->solid, g->resolution, &r->own_surface));
     LITHE_TRY(lth_bvh_create_surface(ctx, r->own_surface, &r->own_bvh));
     r->bvh = r->own_bvh;
   }
@@ -19,29 +40,31 @@ static LitheStatus grow(LitheCtx *ctx, const LthWhere *w, const LthShape *solid,
   return lth_surface_patch_grow(ctx, r->bvh, w->point, w->angle, patch->member);
 }
 
-static LitheStatus prepare_node(LitheCtx *ctx, const LthWhere *w, const LthShape *solid,
-                                double resolution, LthWhereSolid *r) {
-  if (w->kind == LTH_WHERE_FACE) LITHE_TRY(grow(ctx, w, solid, resolution, r));
+static LitheStatus prepare_node(LitheCtx *ctx, const LthWhere *w, const Ground *g,
+                                LthWhereSolid *r) {
+  if (w->kind == LTH_WHERE_FACE) LITHE_TRY(grow(ctx, w, g, r));
   for (LitheIndex i = 0; i < w->n_children; i++)
-    LITHE_TRY(prepare_node(ctx, &w->children[i], solid, resolution, r));
+    LITHE_TRY(prepare_node(ctx, &w->children[i], g, r));
   return LITHE_OK;
 }
 
-LitheStatus lth_where_solid_prepare(LitheCtx *ctx, const LthWhere *where, const LthShape *solid,
-                                    const LthBvh *bvh, double resolution, bool all_inside,
-                                    LthWhereSolid *ready) {
+LitheStatus lth_where_solid_prepare(LitheCtx *ctx, const LthWhere *where, int dim,
+                                    const LthShape *solid, const LthBvh *bvh, double resolution,
+                                    bool all_inside, LthWhereSolid *ready) {
+  const Ground ground = {dim, solid, resolution};
   double low[3], high[3], size = 0;
   lth_shape_bounds(solid, low, high);
   for (int a = 0; a < 3; a++)
     if (isfinite(high[a] - low[a])) size = fmax(size, high[a] - low[a]);
   *ready = (LthWhereSolid){
       .where = where, .tolerance = 1e-9 * size, .all_inside = all_inside, .bvh = bvh};
-  return prepare_node(ctx, where, solid, resolution, ready);
+  return prepare_node(ctx, where, &ground, ready);
 }
 
 void lth_where_solid_free(LitheCtx *ctx, LthWhereSolid *ready) {
   for (LitheIndex i = 0; i < ready->n_patches; i++) lth_free(ctx, ready->patches[i].member);
   lth_free(ctx, ready->patches);
+  lth_curve_destroy(ctx, &ready->curve);
   lth_bvh_destroy(ctx, &ready->own_bvh);
   lth_surface_destroy(ctx, &ready->own_surface);
   *ready = (LthWhereSolid){0};
@@ -72,11 +95,15 @@ static Answer within_normal(const LthWhere *w, const double normal[3]) {
   return answer_if(atan2(lth_v3_norm(cross), lth_v3_dot(w->normal, normal)) <= w->angle + 1e-9);
 }
 
-static Answer within_patch(const LthWhereSolid *r, const LthWhere *w, const double point[3]) {
+static Answer within_patch(const LthWhereSolid *r, const LthWhere *w, const LthPlace *p) {
   LthBvhPoint closest;
   LitheIndex i = 0;
   while (r->patches[i].node != w) i++;
-  if (!lth_bvh_closest(r->bvh, point, INFINITY, NULL, NULL, &closest)) return NO;
+  if (r->curve) {
+    LitheIndex k = lth_curve_nearest(r->curve, p->point, p->normal);
+    return answer_if(k >= 0 && r->patches[i].member[k]);
+  }
+  if (!lth_bvh_closest(r->bvh, p->point, INFINITY, NULL, NULL, &closest)) return NO;
   return answer_if(r->patches[i].member[closest.tri]);
 }
 
@@ -95,7 +122,7 @@ static Answer ask(const LthWhereSolid *r, const LthWhere *w, const LthPlace *p, 
   case LTH_WHERE_NORMAL:
     return p->is_boundary ? within_normal(w, p->normal) : UNKNOWN;
   case LTH_WHERE_FACE:
-    return p->is_boundary ? within_patch(r, w, p->point) : UNKNOWN;
+    return p->is_boundary ? within_patch(r, w, p) : UNKNOWN;
   case LTH_WHERE_LABEL:
     return NO; // of mesh files; those of images are shapes
   case LTH_WHERE_NOT:

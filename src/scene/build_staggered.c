@@ -196,8 +196,8 @@ LitheStatus lth_staggered_where(LitheCtx *ctx, const LthBody *body, const LthWhe
                                 bool all_inside, LthWhereSolid *ready) {
   const LthSceneBody *def = body->def;
   double resolution = def->shape_resolution > 0 ? def->shape_resolution : body->staggered->h / 2;
-  return lth_where_solid_prepare(ctx, where, &def->shape, def->shape.bvh, resolution, all_inside,
-                                 ready);
+  return lth_where_solid_prepare(ctx, where, body->scene->dimension, &def->shape, def->shape.bvh,
+                                 resolution, all_inside, ready);
 }
 
 /// All cells that touch x are full: it cannot be on the boundary.

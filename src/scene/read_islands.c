@@ -104,8 +104,8 @@ static LitheStatus mark_held(LthReader *r, const LthSceneBody *body, const LthWh
   LthWhereSolid ready = {0};
   const double edge = sqrt(v->to_world[0] * v->to_world[0] + v->to_world[4] * v->to_world[4] +
                            v->to_world[8] * v->to_world[8]);
-  LitheStatus status =
-      lth_where_solid_prepare(r->ctx, where, &body->shape, NULL, edge, false, &ready);
+  LitheStatus status = lth_where_solid_prepare(r->ctx, where, v->n[2] > 1 ? 3 : 2, &body->shape,
+                                               NULL, edge, false, &ready);
   LitheCount p = 0;
   for (LitheIndex k = 0; status == LITHE_OK && k < v->n[2]; k++)
     for (LitheIndex j = 0; j < v->n[1]; j++)

@@ -90,4 +90,29 @@ with folder() as d:
         errors.append(json.loads(got.stdout)["error"]["l1"] if got.returncode == 0 else 1)
     expect("its_error_falls_with_the_square_of_the_cell", errors[0] > 3 * errors[1], errors)
 
+
+# a bar under tension in the plane, all sides chosen as faces that grow along the boundary curve up to its corners
+FACES = """lithe: 1
+dimension: 2
+bodies:
+  - name: plate
+    shape: {%s}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3}
+    method: {kind: staggered, cells: 20}
+    constraints:
+      - {where: {face: {at: [0, 0.2]}}, displacement: [0, null]}
+      - {where: {face: {at: [0.5, 0]}}, displacement: {normal: 0}}
+    loads:
+      - {where: {face: {at: [1, 0.2]}}, traction: [1 kPa, 0]}
+exact: {displacement: ["x*0.91e-3", "-y*0.39e-3"]}
+time: {kind: static}
+output: {every: last, fields: [none]}
+"""
+with folder() as d:
+    for shape in ("box: {min: [0, 0], max: [1, 0.4]}", "polygon: [[[0, 0], [1, 0], [1, 0.4], [0, 0.4]]]"):
+        write(d, "faces.yaml", (FACES % shape).encode())
+        got = run("run", "faces.yaml", "-o", "faces", cwd=d)
+        expect("faces_of_plane_shapes_are_held_and_loaded", got.returncode == 0, got.stderr)
+        error = json.load(open(os.path.join(d, "faces", "result.json")))["error"]
+        expect("with_the_exact_answer_%s" % shape[:3], error["linf"] < 1e-9 * 0.91e-3, error)
 done()
