@@ -4,18 +4,19 @@
 #include <stdio.h>
 
 static void print_json(const LitheForecast *f) {
-  printf(
-      "{\n  \"elements\": %d,\n  \"inner_faces\": %d,\n  \"dofs\": %lld,\n  \"nonzeros\": %lld,\n"
-      "  \"steps\": %lld,\n  \"frames\": %d,\n  \"volume\": %.17g,\n  \"memory\": %.0f,\n"
-      "  \"seconds\": %.3g,\n  \"linear\": \"%s\"\n}\n",
-      f->elements, f->inner_faces, (long long)f->unknowns, (long long)f->nonzeros,
-      (long long)f->steps, f->frames, f->volume, f->memory, f->seconds, f->linear);
+  printf("{\n  \"elements\": %d,\n  \"inner_faces\": %d,\n  \"dofs\": %lld,\n", f->elements,
+         f->inner_faces, (long long)f->unknowns);
+  if (f->nonzeros > 0) printf("  \"nonzeros\": %lld,\n", (long long)f->nonzeros);
+  printf("  \"steps\": %lld,\n  \"frames\": %d,\n  \"volume\": %.17g,\n  \"memory\": %.0f,\n"
+         "  \"seconds\": %.3g,\n  \"linear\": \"%s\"\n}\n",
+         (long long)f->steps, f->frames, f->volume, f->memory, f->seconds, f->linear);
 }
 
 static void print_text(const LitheScene *scene, const LitheForecast *f) {
   printf("%s: the scene is good; a run would need\n", lithe_scene_name(scene));
-  printf("  elements     %d, %lld unknowns, %lld nonzeros\n", f->elements, (long long)f->unknowns,
-         (long long)f->nonzeros);
+  printf("  elements     %d, %lld unknowns", f->elements, (long long)f->unknowns);
+  if (f->nonzeros > 0) printf(", %lld nonzeros", (long long)f->nonzeros);
+  printf("\n");
   printf("  volume       %.6g m^3\n", f->volume);
   printf("  solves       %lld, with %s\n", (long long)f->steps, f->linear);
   printf("  output times %d\n", f->frames);

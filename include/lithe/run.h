@@ -54,7 +54,7 @@ LITHE_API void lithe_result_destroy(LitheCtx *ctx, LitheResult **result);
 /// What a run would need.
 typedef struct LitheForecast {
   LitheIndex elements, inner_faces;
-  LitheCount unknowns, nonzeros; ///< of the system matrix
+  LitheCount unknowns, nonzeros; ///< of the system matrix; no nonzeros where none is made
   LitheCount steps;              ///< time steps or static solves
   LitheIndex frames;             ///< output times
   double volume;                 ///< [m^3]

@@ -85,14 +85,16 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
                corners * POINT_SECONDS * (20 + f->frames);
 }
 
-/// A staggered body: matrix-free where it is linear and alone, else with a matrix of blocks.
+/// A staggered body: matrix-free where it is linear and alone, else with a matrix of blocks, whose entries an unknown are those
+/// of a cube of 20 cells a side and a disk of 80.
 static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor, LitheForecast *f) {
   const LthStaggeredBody *s = body->staggered;
   LthGridCount count = lth_count_grid(body);
   bool is_linear = body->def->materials[0].material.model == LTH_MATERIAL_LINEAR;
   bool is_free = is_linear && scene->n_bodies == 1 && !scene->export_path && !scene->condition &&
                  (scene->linear == LTH_LINEAR_AUTO || scene->linear == LTH_LINEAR_MULTIGRID);
-  LitheCount row = s->fractions->grid->dim == 3 ? 15 : 9;
+  const bool is_solid = s->fractions->grid->dim == 3;
+  const LitheCount row = is_linear ? (is_solid ? 40 : 31) : (is_solid ? 228 : 102);
   f->elements += count.cells;
   f->unknowns += count.unknowns;
   f->volume += s->volume;

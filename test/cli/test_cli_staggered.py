@@ -152,6 +152,21 @@ def test_bar():
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 
 
+def test_forecast():
+    with folder() as d:
+        write(d, "bar.yaml", BAR)
+        free = run("check", "bar.yaml", "--json", cwd=d)
+        expect("a_solve_without_a_matrix_has_no_nonzeros", "nonzeros" not in json.loads(free.stdout) and
+               "nonzeros" not in run("check", "bar.yaml", cwd=d).stdout, free.stdout)
+        for model in ("linear", "corotated"):
+            sets = ("solver.linear=cholesky", "bodies.0.material.model=" + model, "bodies.0.method.cells=20")
+            options = [x for s in sets for x in ("--set", s)]
+            told = json.loads(run("check", "bar.yaml", "--json", *options, cwd=d).stdout)["nonzeros"]
+            made = result(d, "bar.yaml", *sets)["bodies"][0]["nonzeros"]
+            # a bar of 4 x 6 cells across is mostly boundary, where rows are shorter
+            expect("nonzeros_of_a_%s_body_are_foreseen" % model, 0.6 < made / told < 1.1, (made, told))
+
+
 def test_bunny():
     """Two methods, one answer: its base clamped, under gravity."""
     if not os.path.exists(BUNNY):
@@ -323,6 +338,7 @@ def test_bad_input():
 
 
 test_bar()
+test_forecast()
 test_bunny()
 test_thesis()
 test_shell()
