@@ -237,3 +237,11 @@ LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *M
   take_start(ctx, M, scale * M->unit, w);
   return LITHE_OK;
 }
+
+LitheStatus lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *M, int count,
+                                               double *seconds) {
+  double start = lth_now();
+  for (int i = 0; i < count; i++) apply_operator(ctx, M, NULL);
+  *seconds = (lth_now() - start) / count;
+  return LITHE_OK;
+}

@@ -125,6 +125,29 @@ static double box_mean(const LthSparseGrid *fine, const double *v, const LitheIn
   return sum / (fine->dim == 3 ? 8 : 4);
 }
 
+/// All faces of a cell are held: it cannot deform.
+static bool is_rigid(const LthStaggeredLevel *l, const LitheIndex cell[3]) {
+  for (int a = 0; a < l->grid->dim; a++) {
+    LitheCount low = lth_slot_of(l->grid, cell[0], cell[1], cell[2]);
+    if (state_at(l->state[a], low) != LTH_UNKNOWN_HELD ||
+        state_at(l->state[a], lth_slot_along(l->grid, cell, a, 1)) != LTH_UNKNOWN_HELD)
+      return false;
+  }
+  return true;
+}
+
+/// Factor on means over such a box where some of its cells are rigid: the strain of the box is in the others alone, as
+/// in springs one behind the other.
+static double stiffening(const LthStaggeredLevel *fine, const LitheIndex cell[3], int shifted) {
+  LitheIndex low[3], high[3], c[3];
+  int n = 0, rigid = 0;
+  fine_box(fine->grid->dim, cell, shifted, low, high);
+  for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
+    for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
+      for (c[0] = low[0]; c[0] <= high[0]; c[0]++, n++) rigid += is_rigid(fine, c);
+  return rigid == n ? 1 : (double)n / (n - rigid);
+}
+
 /// Compliance of a coarse cell whose pressure stands for pressures in proportion to the stiffness of finer cells:
 /// one that jumps with mu would otherwise be thrown onto the soft side.
 static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredLevel *coarse,
@@ -160,17 +183,26 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
   return sum / (fine->grid->dim == 3 ? 4 : 2);
 }
 
-/// True where one of the fine faces that make up a coarse one is held: all of them would let the correction move
-/// what the fine level holds, and the cycle diverges.
+/// A fine face on a coarse one's plane is held; or it is dead and the next one, which no coarse plane meets, is held:
+/// there the body ends half a coarse cell before.
+static bool column_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
+  const uint8_t *state = fine->state[a];
+  int here = state_at(state, lth_slot_of(fine->grid, cell[0], cell[1], cell[2]));
+  if (here != LTH_UNKNOWN_DEAD) return here == LTH_UNKNOWN_HELD;
+  return state_at(state, lth_slot_along(fine->grid, cell, a, 1)) == LTH_UNKNOWN_HELD ||
+         state_at(state, lth_slot_along(fine->grid, cell, a, -1)) == LTH_UNKNOWN_HELD;
+}
+
+/// True where one of the fine faces that make up a coarse one is held: if all had to be, the correction would move what
+/// the fine level holds, and the cycle diverges.
 static bool face_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  LitheIndex low[3], high[3];
+  LitheIndex low[3], high[3], c[3];
   fine_box(fine->grid->dim, cell, 0, low, high);
   high[a] = low[a];
-  for (LitheIndex k = low[2]; k <= high[2]; k++)
-    for (LitheIndex j = low[1]; j <= high[1]; j++)
-      for (LitheIndex i = low[0]; i <= high[0]; i++)
-        if (state_at(fine->state[a], lth_slot_of(fine->grid, i, j, k)) == LTH_UNKNOWN_HELD)
-          return true;
+  for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
+    for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
+      for (c[0] = low[0]; c[0] <= high[0]; c[0]++)
+        if (column_is_held(fine, c, a)) return true;
   return false;
 }
 
@@ -178,12 +210,15 @@ static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coars
   const LthSparseGrid *g = fine->grid;
   LitheIndex cell[3];
   lth_cell_of(coarse->grid, s, cell);
-  coarse->lambda[s] = box_mean(g, fine->lambda, cell, 0);
-  coarse->mu[s] = box_mean(g, fine->mu, cell, 0);
+  double stiffer = stiffening(fine, cell, 0);
+  coarse->lambda[s] = stiffer * box_mean(g, fine->lambda, cell, 0);
+  coarse->mu[s] = stiffer * box_mean(g, fine->mu, cell, 0);
   if (fine->volume) coarse->volume[s] = box_mean(g, fine->volume, cell, 0);
   if (fine->compliance) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
-    if (coarse->shear[e]) coarse->shear[e][s] = box_mean(g, fine->mu, cell, 7 & ~(1 << e));
+    if (coarse->shear[e])
+      coarse->shear[e][s] =
+          stiffening(fine, cell, 7 & ~(1 << e)) * box_mean(g, fine->mu, cell, 7 & ~(1 << e));
   for (int a = 0; a < g->dim; a++) {
     coarse->mass[a][s] = face_mass(fine, cell, a);
     coarse->state[a][s] = face_is_held(fine, cell, a) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;

@@ -143,18 +143,27 @@ void lth_staggered_coarsest_free(LitheCtx *ctx, LthStaggeredCoarsest *C) {
   *C = (LthStaggeredCoarsest){0};
 }
 
-LitheStatus lth_staggered_coarsest_set(LitheCtx *ctx, LthStaggeredCoarsest *C, double cm, double ck,
-                                       double unit) {
-  if (!C->A) return LITHE_OK;
+/// Values of (cm M + ck K) / unit, with `more` of the diagonal.
+static void fill(LthStaggeredCoarsest *C, double cm, double ck, double unit, double more) {
   for (LitheIndex i = 0; i < C->A->n_rows; i++) {
     LitheIndex col[LTH_STAGGERED_ROW];
     double value[LTH_STAGGERED_ROW];
     int n = sorted_row(C, cm, ck, i, col, value);
     for (int e = 0; e < n; e++) {
       LitheCount block = lth_block_matrix_find(C->A, i, col[e]);
-      C->A->values[C->A->value_off[block]] = value[e] / unit;
+      C->A->values[C->A->value_off[block]] = value[e] / unit * (col[e] == i ? 1 + more : 1);
     }
   }
+}
+
+// A preconditioner may be a little stiffer than the body where coarse cells leave a motion without energy.
+LitheStatus lth_staggered_coarsest_set(LitheCtx *ctx, LthStaggeredCoarsest *C, double cm, double ck,
+                                       double unit) {
+  if (!C->A) return LITHE_OK;
+  fill(C, cm, ck, unit, 0);
+  LitheStatus status = C->engine->factorize(ctx, C->factor, C->A);
+  if (status != LITHE_NOT_CONVERGED) return status;
+  fill(C, cm, ck, unit, 1e-3);
   return C->engine->factorize(ctx, C->factor, C->A);
 }
 

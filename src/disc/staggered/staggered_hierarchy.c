@@ -1,5 +1,6 @@
 /// Coarser and coarser levels until one is small, or would no longer resolve the body.
 #include "disc/staggered/staggered_hierarchy.h"
+#include "disc/staggered/staggered_loose.h"
 #include "disc/staggered/staggered_slot.h"
 
 /// How much of a cell is filled: of the finest level's cells all or nothing.
@@ -58,6 +59,16 @@ done:
   return status;
 }
 
+/// The coarsest level is solved exactly: what coarsening has left hanging by thin features would make it singular.
+static LitheStatus settle_last(LitheCtx *ctx, LthStaggeredHierarchy *H) {
+  LthLoose loose;
+  if (H->n_levels == 1) return LITHE_OK;
+  LthStaggeredLevel *last = &H->level[H->n_levels - 1];
+  LITHE_TRY(lth_staggered_drop_loose(ctx, last, &loose));
+  H->n_free[H->n_levels - 1] = lth_staggered_count_free(ctx, last);
+  return LITHE_OK;
+}
+
 LitheStatus lth_staggered_hierarchy_create(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                            const LthCoarsenDef *def,
                                            LthStaggeredHierarchy **hierarchy) {
@@ -74,6 +85,7 @@ LitheStatus lth_staggered_hierarchy_create(LitheCtx *ctx, const LthStaggeredLeve
   bool more = true;
   while (more && H->n_free[H->n_levels - 1] > enough && H->n_levels < LTH_STAGGERED_MAX_LEVELS)
     LITHE_TRY_OR(done, add_level(ctx, H, thin_fraction, &filling, &more));
+  LITHE_TRY_OR(done, settle_last(ctx, H));
 done:
   lth_free(ctx, filling);
   if (status != LITHE_OK) lth_staggered_hierarchy_destroy(ctx, hierarchy);

@@ -73,8 +73,9 @@ int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLev
                           double unit, int a, const LitheIndex fine_cell[3], LitheCount slot[8],
                           double weight[8]);
 
-/// Greatest mu of a level that knows its volumes and whose material varies, else 0. Where it is not 0, interpolation to
-/// the next finer level weighs unknowns by lth_staggered_pull(): what is soft follows what is stiff.
+/// Greatest mu of a level that knows its volumes, else 0. Where it is not 0, interpolation to the next finer level weighs
+/// unknowns by lth_staggered_pull(): what is soft follows what is stiff, and what is full what is nearly empty.
 double lth_staggered_modulus_unit(const LthStaggeredLevel *level);
-/// 0 where an unknown is dead, else 1, or mu of the cells around its face over `unit`, where that is not 0.
+/// 0 where an unknown is dead, else 1, or where `unit` is not 0: mu of the cells around its face over it, and less where
+/// less than a quarter of them is filled.
 double lth_staggered_pull(const LthStaggeredLevel *level, double unit, int a, LitheCount slot);

@@ -43,6 +43,10 @@ LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *
 LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                          const double *rhs, double *w);
 
+/// Seconds of one application of the operator, as solves do it, mean of `count`; after prepare().
+LitheStatus lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                               int count, double *seconds);
+
 LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *multigrid);
 int lth_staggered_multigrid_levels(const LthStaggeredMultigrid *multigrid);
 /// Unknowns that are free, on a level.

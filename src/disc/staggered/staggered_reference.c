@@ -93,13 +93,12 @@ void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *l, doubl
 }
 
 double lth_staggered_modulus_unit(const LthStaggeredLevel *l) {
-  double least = INFINITY, greatest = 0;
+  double greatest = 0;
   for (LitheCount s = 0; l->volume && s < l->grid->n_slots; s++) {
     if (!(l->volume[s] > 0 && l->mu[s] > 0)) continue;
-    least = fmin(least, l->mu[s] / l->volume[s]);
     greatest = fmax(greatest, l->mu[s] / l->volume[s]);
   }
-  return greatest > 1.01 * least ? greatest : 0;
+  return greatest;
 }
 
 double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheCount s) {
@@ -110,7 +109,7 @@ double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheC
   LitheCount before = lth_slot_along(l->grid, cell, a, -1);
   double mu = l->mu[s] + value_at(l->mu, before);
   double V = l->volume[s] + value_at(l->volume, before);
-  return V > 0 && mu > 0 ? mu / (V * unit) : 1;
+  return V > 0 && mu > 0 ? fmin(1, 2 * V) * mu / (V * unit) : 1;
 }
 
 int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,

@@ -15,6 +15,8 @@ static Levels levels_of(const ShapeDef *def, LitheCount enough) {
   Levels L = {0};
   LitheCtx *ctx = test_ctx();
   L.shape = shape_level(ctx, def);
+  lth_free(ctx, L.shape.level.volume); // plain interpolation
+  L.shape.level.volume = NULL;
   LthCoarsenDef coarsen = {.enough = enough};
   CHECK_OK(ctx, lth_staggered_hierarchy_create(ctx, &L.shape.level, &coarsen, &L.H));
   return L;

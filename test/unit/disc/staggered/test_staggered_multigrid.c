@@ -113,7 +113,7 @@ static void iterations_in_3d_do_not_grow(void **state) {
   (void)state;
   ShapeDef def = ball;
   def.n = 24;
-  check_iterations(def, 2, (int[]){9, 10});
+  check_iterations(def, 2, (int[]){10, 12});
 }
 
 static bool slit_inside(const double x[3]) {

@@ -1,0 +1,310 @@
+/// The staggered multigrid: an annulus in the plane and a ball (or a surface from a file) in space, held inside (at
+/// the bottom), under gravity. Phases in seconds, unknowns a second from the shape to a true residual of 1e-8, bytes an
+/// unknown, the operator against what memory allows, full multigrid in applications of the operator.
+///
+///   bench_staggered [--csv] [--threads N] [--dim 2|3] [--cells N] [--nu X] [--mesh FILE] [--export FILE]
+///
+/// `--cells N`: this size alone, else a few. `--export FILE`: the matrix over free unknowns, for bench/peers/staggered.py.
+#include "base/tensor.h"
+#include "disc/staggered/staggered.h"
+#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_multigrid.h"
+#include "io/surface_file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct Options {
+  bool csv;
+  int threads, dim;
+  LitheIndex cells;
+  double nu;
+  const char *mesh, *file;
+} Options;
+
+typedef struct Body {
+  const Options *options;
+  LthShape shape;
+  LthSoup *soup;
+  LthSurface *surface;
+  LthFractions *fractions;
+  LthDisc *disc;
+  LthStaggered *s;
+  LitheCount unknowns;
+  double bottom; ///< held below [m]; 2D: held within this radius
+  double *rhs, *w, *r;
+} Body;
+
+static void check(LitheCtx *ctx, LitheStatus status) {
+  if (status == LITHE_OK) return;
+  fprintf(stderr, "%s\n", lithe_ctx_message(ctx));
+  exit(1);
+}
+
+static void material(const void *self, const double x[3], double *E, double *nu, double *rho) {
+  (void)x;
+  *E = 1e5;
+  *nu = *(const double *)self;
+  *rho = 1000;
+}
+
+static bool is_held(const void *self, const double x[3]) {
+  const Body *b = self;
+  if (b->options->dim == 2) return x[0] * x[0] + x[1] * x[1] <= b->bottom * b->bottom;
+  return x[2] <= b->bottom;
+}
+
+static void make_shape(LitheCtx *ctx, Body *b) {
+  const Options *o = b->options;
+  if (o->dim == 2) {
+    b->shape = (LthShape){.kind = LTH_SHAPE_DISK, .radius = 0.8};
+    b->bottom = 0.325;
+  } else if (o->mesh) {
+    check(ctx, lth_soup_read(ctx, o->mesh, &b->soup));
+    check(ctx, lth_surface_from_soup(ctx, b->soup, o->mesh, NULL, &b->surface));
+    b->shape = (LthShape){.kind = LTH_SHAPE_MESH, .surface = b->surface};
+  } else {
+    b->shape = (LthShape){.kind = LTH_SHAPE_SPHERE, .radius = 1};
+  }
+  check(ctx, lth_shape_prepare(ctx, &b->shape));
+}
+
+static void make_fractions(LitheCtx *ctx, Body *b, LitheIndex cells) {
+  double min[3], max[3], origin[3], h[3], longest = 0;
+  LitheIndex n[3];
+  const int dim = b->options->dim;
+  const LthFractionDef def = {.method = LTH_FRACTIONS_SAMPLES, .samples = 4};
+  lth_shape_bounds(&b->shape, min, max);
+  for (int a = 0; a < dim; a++) longest = fmax(longest, max[a] - min[a]);
+  for (int a = 0; a < 3; a++) {
+    bool flat = dim == 2 && a == 2;
+    h[a] = flat ? 1 : longest / (cells - 2.67);
+    n[a] = flat ? 1 : (LitheIndex)ceil((max[a] - min[a]) / h[a] + 2.67);
+    origin[a] = flat ? 0 : 0.5 * (min[a] + max[a] - h[a] * n[a]);
+  }
+  if (dim == 3) b->bottom = min[2] + 0.1 * (max[2] - min[2]);
+  check(ctx, lth_fractions_create(ctx, &b->shape, dim, origin, h, n, &def, &b->fractions));
+}
+
+static void make_disc(LitheCtx *ctx, Body *b, const LthStaggeredHold *hold) {
+  const LthStaggeredDef def = {
+      .fractions = b->fractions,
+      .shape = &b->shape,
+      .material = {.eval = material, .self = &b->options->nu, .is_uniform = true},
+      .holds = hold,
+      .n_holds = 1};
+  check(ctx, lth_staggered_create(ctx, &def, &b->disc));
+  b->s = lth_staggered_of(b->disc);
+  LitheCount n = b->disc->n_dofs;
+  b->rhs = lth_alloc(ctx, n, sizeof *b->rhs);
+  b->w = lth_alloc(ctx, n, sizeof *b->w);
+  b->r = lth_alloc(ctx, n, sizeof *b->r);
+  if (!b->rhs || !b->w || !b->r) check(ctx, LITHE_NO_MEMORY);
+  b->disc->table->add_gravity(b->disc, (double[3]){3, -9.81, -5}, b->rhs);
+  b->unknowns = 0;
+  for (LitheCount i = 0; i < n; i++) {
+    if (b->s->held[i]) b->rhs[i] = 0;
+    b->unknowns += !b->s->held[i];
+  }
+}
+
+static void body_free(LitheCtx *ctx, Body *b) {
+  lth_free(ctx, b->rhs);
+  lth_free(ctx, b->w);
+  lth_free(ctx, b->r);
+  lth_disc_destroy(ctx, &b->disc);
+  lth_fractions_destroy(ctx, &b->fractions);
+  lth_shape_free(ctx, &b->shape);
+  lth_surface_destroy(ctx, &b->surface);
+  lth_soup_destroy(ctx, &b->soup);
+}
+
+/// Bytes a second of a = b + c d, as many at once as there are threads.
+static double triad(LitheCtx *ctx) {
+  enum { N = 8000000 };
+  double *a = lth_alloc(ctx, N, 8), *b = lth_alloc(ctx, N, 8), *c = lth_alloc(ctx, N, 8),
+         best = 1e9;
+  if (!a || !b || !c) check(ctx, LITHE_NO_MEMORY);
+  for (int run = 0; run < 5; run++) {
+    double start = lth_now();
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+    for (LitheCount i = 0; i < N; i++) a[i] = b[i] + (run + 1) * c[i];
+    best = fmin(best, lth_now() - start);
+  }
+  lth_free(ctx, a);
+  lth_free(ctx, b);
+  lth_free(ctx, c);
+  return 24.0 * N / best;
+}
+
+static double norm(LitheCount n, const double *x) { return sqrt(lth_dot(1, n, x, x)); }
+
+/// Free unknowns as numbers 0, 1, ... in the order of functions, -1 elsewhere.
+static LitheIndex *number_free(LitheCtx *ctx, const Body *b) {
+  LitheIndex *index = lth_alloc(ctx, b->disc->n_dofs, sizeof *index), n = 0;
+  if (!index) check(ctx, LITHE_NO_MEMORY);
+  for (LitheCount i = 0; i < b->disc->n_dofs; i++) index[i] = b->s->held[i] ? -1 : n++;
+  return index;
+}
+
+/// Little-endian: n, entries (int64); then for every row: entries (int32), columns (int32), values; then right-hand
+/// side; then 3 x function + component and the place of every unknown, four numbers each.
+static void export_matrix(LitheCtx *ctx, const Body *b, const char *path) {
+  FILE *file = fopen(path, "wb");
+  if (!file) {
+    fprintf(stderr, "cannot write %s\n", path);
+    exit(1);
+  }
+  LitheIndex *index = number_free(ctx, b);
+  int64_t head[2] = {b->unknowns, 0};
+  fwrite(head, 8, 2, file);
+  for (LitheCount i = 0; i < b->disc->n_dofs; i++) {
+    if (index[i] < 0) continue;
+    LthStaggeredEntry entry[LTH_STAGGERED_ROW];
+    int32_t n = 0, col[LTH_STAGGERED_ROW];
+    double value[LTH_STAGGERED_ROW];
+    int all = lth_staggered_row(&b->s->level, 0, 1, (int)(i % 3), b->s->slot[i / 3], entry);
+    for (int e = 0; e < all; e++) {
+      LitheIndex to = index[3 * (LitheCount)b->s->func[entry[e].slot] + entry[e].b];
+      if (to < 0) continue;
+      col[n] = to;
+      value[n++] = entry[e].value;
+    }
+    head[1] += n;
+    fwrite(&n, 4, 1, file);
+    fwrite(col, 4, (size_t)n, file);
+    fwrite(value, 8, (size_t)n, file);
+  }
+  for (LitheCount i = 0; i < b->disc->n_dofs; i++)
+    if (index[i] >= 0) fwrite(b->rhs + i, 8, 1, file);
+  for (LitheCount i = 0; i < b->disc->n_dofs; i++) {
+    if (index[i] < 0) continue;
+    double at[4] = {(double)i};
+    lth_staggered_place(b->s, (LitheIndex)(i / 3), (int)(i % 3), at + 1);
+    fwrite(at, 8, 4, file);
+  }
+  rewind(file);
+  fwrite(head, 8, 2, file);
+  fclose(file);
+  lth_free(ctx, index);
+}
+
+typedef struct Row {
+  double fractions, disc, prepare, solve, residual, apply, full, full_error, bytes;
+  LitheIndex iterations;
+} Row;
+
+/// One application on vectors that lie as the solver's do is what a step of conjugate gradients costs: the call adds the
+/// way there and back.
+static void time_operator(LitheCtx *ctx, Body *b, Row *row) {
+  row->apply = 1e9;
+  for (int run = 0; run < 4; run++) {
+    double seconds;
+    check(ctx, lth_staggered_multigrid_time_apply(ctx, b->s->solver, 3, &seconds));
+    row->apply = fmin(row->apply, seconds);
+  }
+}
+
+static void time_full(LitheCtx *ctx, Body *b, Row *row) {
+  LitheCount n = b->disc->n_dofs;
+  row->full = 1e9;
+  for (int run = 0; run < 3; run++) {
+    double start = lth_now();
+    check(ctx, lth_staggered_multigrid_full(ctx, b->s->solver, b->rhs, b->r));
+    row->full = fmin(row->full, lth_now() - start);
+  }
+  for (LitheCount i = 0; i < n; i++) b->r[i] -= b->w[i];
+  row->full_error = norm(n, b->r) / norm(n, b->w);
+}
+
+static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double memory) {
+  Body b = {.options = o};
+  Row row = {0};
+  const LthStaggeredHold hold = {.selects = is_held, .self = &b, .fixed = {true, true, true}};
+  LthSolveReport report;
+  double start = lth_now();
+  LitheCount before = lth_alloc_bytes(ctx);
+  make_shape(ctx, &b);
+  make_fractions(ctx, &b, cells);
+  row.fractions = lth_now() - start, start = lth_now();
+  make_disc(ctx, &b, &hold);
+  row.disc = lth_now() - start, start = lth_now();
+  check(ctx, b.disc->table->solver->prepare(ctx, b.disc, 0, 1));
+  row.prepare = lth_now() - start, start = lth_now();
+  check(ctx, b.disc->table->solver->solve(ctx, b.disc, NULL, 1, b.rhs, b.w, 1e-8, 200, &report));
+  row.solve = lth_now() - start;
+  row.bytes = (double)(lth_alloc_bytes(ctx) - before) / (double)b.unknowns;
+  double solver_bytes = (double)b.disc->table->solver->bytes(b.disc) / (double)b.unknowns;
+  b.disc->table->solver->apply(b.disc, lth_threads(ctx), 0, 1, b.w, b.r);
+  for (LitheCount i = 0; i < b.disc->n_dofs; i++) b.r[i] = b.s->held[i] ? 0 : b.rhs[i] - b.r[i];
+  row.residual = norm(b.disc->n_dofs, b.r) / norm(b.disc->n_dofs, b.rhs);
+  time_operator(ctx, &b, &row);
+  time_full(ctx, &b, &row);
+  double least = 16.0 * (double)b.unknowns / memory;
+  printf(
+      o->csv
+          ? "%d,%d,%g,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.1f,%.1e\n"
+          : "%dD %5d nu %-5g %10lld unknowns: fractions %.3f disc %.3f prepare %.3f solve %.3f s, "
+            "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
+            "operator %.2e s, %.2f x memory, full multigrid %.1f operators, error %.1e\n",
+      o->dim, cells, o->nu, (long long)b.unknowns, row.fractions, row.disc, row.prepare, row.solve,
+      report.iterations, row.residual, (double)b.unknowns / (row.prepare + row.solve), row.bytes,
+      solver_bytes, row.apply, row.apply / least, row.full / row.apply, row.full_error);
+  fflush(stdout);
+  if (o->file) export_matrix(ctx, &b, o->file);
+  body_free(ctx, &b);
+}
+
+static Options read_options(int argc, char **argv) {
+  Options o = {.dim = 0, .nu = 0.3};
+  for (int i = 1; i < argc; i++) {
+    const char *value = i + 1 < argc ? argv[i + 1] : "";
+    if (strcmp(argv[i], "--csv") == 0) {
+      o.csv = true;
+      continue;
+    }
+    i++;
+    if (strcmp(argv[i - 1], "--threads") == 0)
+      o.threads = atoi(value);
+    else if (strcmp(argv[i - 1], "--dim") == 0)
+      o.dim = atoi(value);
+    else if (strcmp(argv[i - 1], "--cells") == 0)
+      o.cells = atoi(value);
+    else if (strcmp(argv[i - 1], "--nu") == 0)
+      o.nu = atof(value);
+    else if (strcmp(argv[i - 1], "--mesh") == 0)
+      o.mesh = value;
+    else if (strcmp(argv[i - 1], "--export") == 0)
+      o.file = value;
+    else {
+      fprintf(stderr, "unknown option %s\n", argv[i - 1]);
+      exit(2);
+    }
+  }
+  return o;
+}
+
+int main(int argc, char **argv) {
+  Options o = read_options(argc, argv);
+  LitheCtxDef def = lithe_ctx_def_default();
+  LitheCtx *ctx = lithe_ctx_create(&def);
+  lth_set_threads(ctx, o.threads);
+  double memory = triad(ctx);
+  if (o.csv)
+    printf("dim,cells,nu,unknowns,fractions s,disc s,prepare s,solve s,iterations,residual,"
+           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory bound,"
+           "fmg operators,fmg error\n");
+  else
+    printf("triad %.1f GB/s\n", memory * 1e-9);
+  int wanted = o.dim;
+  for (o.dim = 2; o.dim <= 3; o.dim++) {
+    if (wanted && wanted != o.dim) continue;
+    LitheIndex first = o.dim == 2 ? 256 : 32, last = o.dim == 2 ? 1024 : 128;
+    if (o.cells) first = last = o.cells;
+    for (LitheIndex cells = first; cells <= last; cells *= 2) measure(ctx, &o, cells, memory);
+  }
+  lithe_ctx_destroy(&ctx);
+  return 0;
+}
