@@ -54,6 +54,57 @@ with folder() as home:
     got = run("verify", scene, "--cells", "4,x", "-o", out)
     expect("cells_are_numbers", got.returncode == 2 and "8,16,32" in got.stderr, got.stderr)
 
+# A wall between two smooth walls: all three methods, elements of cg from a file; and one in the plane.
+STUDIES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "studies", "verify")
+PLANE = """lithe: 1
+dimension: 2
+bodies:
+  - name: block
+    shape: {difference: [{box: {min: [0, 0], max: [2, 1]}}, {disk: {center: [2, 0], radius: 0.3}}]}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: staggered, cells: 16}
+    constraints: [{where: {plane: {point: [0.01, 0], normal: [-1, 0]}}, displacement: [0, 0]}]
+time: static
+gravity: [0, -10]
+probes: [{name: tip, point: [1.8, 0.7]}]
+output: {fields: none}
+"""
+TWO = SCENE.replace("time: static", """  - name: post
+    shape: {box: {min: [0, 2, 0], max: [1, 3, 1]}}
+    material: {model: linear, young_modulus: 2 MPa, poisson_ratio: 0.2, density: 500}
+    method: {kind: staggered, cells: 2}
+    constraints: [{where: {plane: {point: [0, 2, 0], normal: [0, -1, 0]}}, displacement: [0, 0, 0]}]
+time: static""")
+
+with folder() as home:
+    out = os.path.join(home, "wall")
+    meshes = ",".join(os.path.join(STUDIES, "cylinder-%d.msh" % k) for k in (1, 2))
+    got = run("verify", os.path.join(STUDIES, "cylinder.yaml"), "--cells", "8,12,16", "--meshes", meshes, "-o", out)
+    expect("three_methods_agree_on_a_curved_wall", got.returncode == 0 and "Method staggered" in got.stdout,
+           got.stdout + got.stderr)
+    with open(os.path.join(out, "staggered-16", "result.json")) as stream:
+        inner = json.load(stream)["probes"]["inner"]
+    radius = 0.8 * 2 ** 0.5
+    lame = 1e-3 / 3 * 1.3 * (0.4 * radius + 4 / radius)
+    found = inner["displacement"][0] * 2 ** 0.5
+    expect("and_with_lame", abs(found / lame - 1) < 0.01, (found, lame))
+
+    scene = os.path.join(home, "plane.yaml")
+    with open(scene, "w") as stream:
+        stream.write(PLANE)
+    got = run("verify", scene, "--cells", "16,32,64", "--tolerance", "2%", "-o", os.path.join(home, "plane"))
+    expect("fractions_are_compared_in_the_plane",
+           got.returncode == 0 and "Method exact" in got.stdout and "Method smooth" in got.stdout,
+           got.stdout + got.stderr)
+
+    scene = os.path.join(home, "two.yaml")
+    with open(scene, "w") as stream:
+        stream.write(TWO)
+    got = run("verify", scene, "--methods", "dg,cg", "--cells", "4,8", "--tolerance", "5%", "-o",
+              os.path.join(home, "two"))
+    expect("several_bodies_change_their_method_together",
+           got.returncode == 0 and "bodies.1" in got.stdout, got.stdout + got.stderr)
+
 check("tolerance_is_a_share", ["verify", "a.yaml", "--tolerance", "2"], status=2,
       err="lithe: --tolerance: expected a share between 0 and 1, as in 1%, got '2'\n")
 done()

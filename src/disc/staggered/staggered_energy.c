@@ -110,15 +110,16 @@ static void mix_normal(const LthStaggered *s, const LitheCount near[27], const d
   if (sum > 0) lth_v3_scale(1 / sum, stress);
 }
 
-/// Shear stress from the four edges of the cell along axis e that have weight; 0 where none has.
+/// Shear stress, linear between the edges along axis e of the cell and of its neighbours along them, over those that
+/// have weight; 0 where none has.
 static double mix_shear(const LthStaggered *s, const LitheCount near[27], const double r[3], int e,
                         const double *x) {
   int a = (e + 1) % 3, b = (e + 2) % 3;
   double sum = 0, stress = 0;
-  for (int k = 0; k < 4; k++) {
-    int da = k & 1, db = k >> 1;
-    LitheCount slot = near[13 + da * near_stride[a] + db * near_stride[b]];
-    double w = hat(r[a], 2 * da - 1) * hat(r[b], 2 * db - 1);
+  for (int k = 0; k < 12; k++) {
+    int da = k & 1, db = k >> 1 & 1, de = (k >> 2) - 1;
+    LitheCount slot = near[13 + da * near_stride[a] + db * near_stride[b] + de * near_stride[e]];
+    double w = hat(r[a], 2 * da - 1) * hat(r[b], 2 * db - 1) * hat(r[e], 2 * de);
     if (w == 0 || slot < 0 || !(s->level.shear[e][slot] > 0)) continue;
     LitheCount own[27];
     around(s->grid, slot, own);

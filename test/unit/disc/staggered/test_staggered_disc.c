@@ -322,6 +322,42 @@ static void errors_of_the_fixed_annulus_are_those_of_the_theory(void **state) {
   check_fixed_ring(64, 2.277e-3, 2.505e-3);
 }
 
+static void twist(const void *self, const double x[3], double value[3]) {
+  const double *c = self;
+  value[0] = x[0] + *c * x[1] * x[2];
+  value[1] = x[1];
+  value[2] = x[2];
+}
+
+static void a_shear_that_is_linear_along_its_edges_is_exact_inside_a_body(void **state) {
+  (void)state;
+  SgBody b;
+  SgDef def = full_def(3);
+  const double c = 0.01, mu = young / (2 * (1 + poisson));
+  int n_tested = 0;
+  sg_create(&b, &def);
+  sg_project(&b, twist, &c, b.x);
+  for (LitheIndex k = 0; k < b.disc->n_cells; k++) {
+    LitheIndex cell[3];
+    bool is_inside = true;
+    double at[3], stress[6];
+    lth_sparse_grid_cell(b.s->grid, b.s->cell_slot[k], cell);
+    lth_sparse_grid_place(b.s->grid, cell, (const double[3]){0.3, 0.8, 0.15}, at);
+    for (int a = 0; a < 3; a++) {
+      double h = (def.high[a] - def.low[a]) / def.n[a];
+      is_inside &= at[a] > def.low[a] + h && at[a] < def.high[a] - h;
+    }
+    if (!is_inside) continue;
+    b.disc->table->stress(b.disc, k, b.x, at, stress);
+    CHECK_NEAR(stress[5], mu * c * at[2], 1e-11 * mu);
+    CHECK_NEAR(stress[4], mu * c * at[1], 1e-11 * mu);
+    CHECK_NEAR(stress[3], 0, 1e-11 * mu);
+    n_tested++;
+  }
+  assert_true(n_tested > 0);
+  sg_free(&b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(inner_rows_are_the_stencil_of_the_theory),
@@ -331,6 +367,7 @@ int main(void) {
       cmocka_unit_test(linear_deformations_leave_no_force_inside),
       cmocka_unit_test(mass_is_that_of_the_solid_in_every_direction),
       cmocka_unit_test(a_pulled_block_has_the_stress_and_reactions_of_uniaxial_stress),
+      cmocka_unit_test(a_shear_that_is_linear_along_its_edges_is_exact_inside_a_body),
       cmocka_unit_test(errors_of_the_fixed_annulus_are_those_of_the_theory),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
