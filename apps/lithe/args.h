@@ -18,10 +18,10 @@ typedef struct Args {
   const char *sweeps[ARGS_MAX_SWEEPS]; ///< --sweep path=value,value,...   (n_sweeps)
   int n_sweeps;
   bool json, quiet, quick, help, version;
-  int threads;                 ///< 0: not given
-  int step;                    ///< 0: not given
+  int threads;                          ///< 0: not given
+  int step;                             ///< 0: not given
   const char *methods, *cells, *meshes; ///< of verify, or NULL
-  double tolerance;            ///< of verify, 0: not given
+  double tolerance;                     ///< of verify, 0: not given
 } Args;
 
 /// Parse and check. On false a message has gone to standard error: exit with status 2.

@@ -35,7 +35,8 @@ typedef struct LthStaggeredDef {
   LthFormulation formulation;
   const LthStaggeredHold *holds; ///< borrowed for life                          (n_holds)
   LitheIndex n_holds;
-  const float *filled;   ///< fractions of cells before held sides became full (n_slots), NULL: none did
+  const float
+      *filled; ///< fractions of cells before held sides became full (n_slots), NULL: none did
   double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
 } LthStaggeredDef;
 
@@ -43,7 +44,7 @@ typedef struct LthMixedState LthMixedState;
 
 /// Immutable but for the state of the linearisation that update_rotations() keeps.
 typedef struct LthStaggered {
-  LthDisc disc; ///< disc.self is this struct; disc.mesh is NULL
+  LthDisc disc;       ///< disc.self is this struct; disc.mesh is NULL
   LthDiscTable table; ///< disc.table: its solver is that of the formulation
   LitheCtx *ctx;
   int dim;
@@ -63,18 +64,18 @@ typedef struct LthStaggered {
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
-  const float *filled; ///< as in the definition
+  const float *filled;  ///< as in the definition
   double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
   double *partial;      ///< scratch of sums                           (grid->n_blocks)
   LthBoundarySum *sums; ///< scratch of loads                          (grid->n_blocks)
   uint8_t *degree;      ///< (n_cells)
   LitheIndex *row_func; ///< (n_rows + 1)
 
-  uint8_t *held;    ///< per unknown: held by a constraint, or dead                  (n_dofs)
-  LitheIndex *hold; ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
+  uint8_t *held;        ///< per unknown: held by a constraint, or dead                  (n_dofs)
+  LitheIndex *hold;     ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
   LthMixedState *mixed; ///< of the mixed form (staggered_mixed_state.c), or NULL
-  void *nonlinear;  ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
-  void *solver;     ///< of matrix-free solves (staggered_solver.c), or NULL
+  void *nonlinear;      ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
+  void *solver;         ///< of matrix-free solves (staggered_solver.c), or NULL
 } LthStaggered;
 
 static inline LthStaggered *lth_staggered_of(const LthDisc *disc) { return disc->self; }
