@@ -1,9 +1,10 @@
 #!/bin/sh
-# Make docs/studies/dolny.md and its pictures from a run of the studies: docs/studies/make.sh [--quick]
+# Make docs/studies/dolny.md and its pictures from a run of the studies: docs/studies/make.sh [--quick]. OUT=DIR takes one that
+# was made already.
 set -eu
 cd "$(dirname "$0")/../.."
-out=out/docs-study
-build/release/apps/lithe/lithe study dolny "$@" -o "$out" || echo "some verdict does not hold: the page says which"
+out=${OUT:-out/docs-study}
+[ -f "$out/index.md" ] || build/release/apps/lithe/lithe study dolny "$@" -o "$out" || echo "some verdict does not hold: the page says which"
 rm -rf docs/studies/dolny
 for picture in "$out"/dolny/*/*.svg; do
   to=docs/studies/dolny/$(basename "$(dirname "$picture")")

@@ -51,7 +51,8 @@ static void put_series(FILE *out, const LthPlot *plot, int i) {
   fprintf(out, " skip 1 every ::%d::%d using %d:%d with ", s->first, s->last - 1,
           file_column(s->table, s->x), file_column(s->table, s->y));
   if (s->is_printed)
-    fprintf(out, "points pt 2 ps 1.1 lw 1.6 lc rgb \"%s\"", styles[i % N_STYLES].colour);
+    fprintf(out, "points pt %d ps 1.1 lw 1.6 lc rgb \"%s\"", 1 + i % 3,
+            styles[i % N_STYLES].colour);
   else
     fprintf(out, "linespoints pt %d ps 0.8 lw 1.4 dt %d lc rgb \"%s\"", styles[i % N_STYLES].point,
             styles[i % N_STYLES].dash, styles[i % N_STYLES].colour);
