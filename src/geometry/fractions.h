@@ -21,7 +21,7 @@ enum { LTH_CELL_EMPTY, LTH_CELL_FULL, LTH_CELL_CUT }; ///< LTH_CELL_CUT and abov
 
 /// Part q of a cell is the quarter (eighth) towards the corner with bit a of q set where it is the high one
 /// along axis a. Fractions of all control volumes - cells, and boxes around faces and edges - are means of
-/// parts (lth_fractions_cells() and so on), so they are those of one solid. Only cut cells keep parts.
+/// parts, so they are those of one solid. Only cut cells keep parts.
 typedef struct LthFractions {
   LthSparseGrid *
       grid; ///< owned. Every cell that holds something is in a block, and so are all within two cells of it
@@ -57,11 +57,14 @@ static inline double lth_fractions_part(const LthFractions *f, LitheCount slot, 
   return f->part[(f->first[slot / f->grid->block_cells] + cell - LTH_CELL_CUT) * f->n_parts + q];
 }
 
-/// Means over control volumes, for all slots: cells; h-boxes around low faces across an axis; and around low edges
-/// along an axis (2D: axis 2, the low corner).                                             (n_slots)
-void lth_fractions_cells(LitheCtx *ctx, const LthFractions *f, double *V);
-void lth_fractions_faces(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
-void lth_fractions_edges(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
+/// Fraction of a slot's cell: the mean of its parts.
+static inline double lth_fractions_cell(const LthFractions *f, LitheCount slot) {
+  uint16_t cell = f->cell[slot];
+  if (cell < LTH_CELL_CUT) return cell;
+  double sum = 0;
+  for (int q = 0; q < f->n_parts; q++) sum += lth_fractions_part(f, slot, q);
+  return sum / f->n_parts;
+}
 
 /// Bytes that lth_fractions_create() will need at most for a shape with so much surface and so much inside
 /// [m^2 and m^3; 2D: m and m^2].

@@ -2,6 +2,7 @@
 #include "io/vtk_xml.h"
 
 #include "io/number_text.h"
+#include "io/xml_tag.h"
 
 int lth_vtk_component(int components, int k) {
   // ours is xx yy zz yz zx xy, VTK's xx yy zz xy yz zx
@@ -33,21 +34,6 @@ void lth_vtk_put_opening(FILE *out, const char *type) {
 
 void lth_vtk_put_end(FILE *out) { fputs("\n  </AppendedData>\n</VTKFile>\n", out); }
 
-void lth_vtk_put_text(FILE *out, const char *text) {
-  for (; *text; text++) {
-    if (*text == '<')
-      fputs("&lt;", out);
-    else if (*text == '>')
-      fputs("&gt;", out);
-    else if (*text == '&')
-      fputs("&amp;", out);
-    else if (*text == '"')
-      fputs("&quot;", out);
-    else
-      fputc(*text, out);
-  }
-}
-
 void lth_vtk_put_time(FILE *out, double time) {
   char text[LTH_NUMBER_TEXT_MAX];
   fprintf(out,
@@ -59,7 +45,7 @@ void lth_vtk_put_time(FILE *out, double time) {
 void lth_vtk_put_array(FILE *out, const char *type, const char *name, int components,
                        const LthVtuBlock *block, LitheCount *offset) {
   fprintf(out, "        <DataArray type=\"%s\" Name=\"", type);
-  lth_vtk_put_text(out, name);
+  lth_xml_put_text(out, name);
   fprintf(out, "\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%lld\"/>\n", components,
           (long long)*offset);
   *offset += block->size;

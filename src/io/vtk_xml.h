@@ -29,8 +29,7 @@ LitheStatus lth_vtk_encode_rows(LitheCtx *ctx, LitheCount n, int components, con
 void lth_vtk_put_opening(FILE *out, const char *type);
 void lth_vtk_put_end(FILE *out);
 
-void lth_vtk_put_text(FILE *out, const char *text); ///< with its special letters escaped
-void lth_vtk_put_time(FILE *out, double time);      ///< the file's TimeValue [s]
+void lth_vtk_put_time(FILE *out, double time); ///< the file's TimeValue [s]
 
 /// One DataArray element, or those of a section; `offset` moves on by the blocks' bytes.
 void lth_vtk_put_array(FILE *out, const char *type, const char *name, int components,

@@ -7,6 +7,7 @@
 #include "io/file.h"
 #include "io/number_text.h"
 #include "io/vtu_topology.h"
+#include "io/xml_tag.h"
 
 #include <stdio.h>
 
@@ -97,7 +98,7 @@ LitheStatus lth_pvd_write(LitheCtx *ctx, const char *path, int n, const double *
     char time[LTH_NUMBER_TEXT_MAX];
     fprintf(writer.stream, "    <DataSet timestep=\"%s\" group=\"\" part=\"0\" file=\"",
             lth_number_text(times[i], time));
-    lth_vtk_put_text(writer.stream, files[i]);
+    lth_xml_put_text(writer.stream, files[i]);
     fputs("\"/>\n", writer.stream);
   }
   fputs("  </Collection>\n</VTKFile>\n", writer.stream);

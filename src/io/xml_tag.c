@@ -5,6 +5,31 @@
 #include <ctype.h>
 #include <string.h>
 
+const char *lth_xml_entity(char letter) {
+  switch (letter) {
+  case '<':
+    return "&lt;";
+  case '>':
+    return "&gt;";
+  case '&':
+    return "&amp;";
+  case '"':
+    return "&quot;";
+  default:
+    return NULL;
+  }
+}
+
+void lth_xml_put_text(FILE *out, const char *text) {
+  for (; *text; text++) {
+    const char *entity = lth_xml_entity(*text);
+    if (entity)
+      fputs(entity, out);
+    else
+      fputc(*text, out);
+  }
+}
+
 static void move_to(LthText *text, const char *at) {
   for (; text->at < at; text->at++) text->line += *text->at == '\n';
 }

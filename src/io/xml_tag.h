@@ -1,9 +1,18 @@
-/// Tags of an XML file one after the other, as far as VTK's files need it: no entities, no nesting checks.
+/// Text for XML files; and reading their tags one after the other, as far as VTK's files need it: no entities, no
+/// nesting checks.
 #pragma once
 
 #include "io/text.h"
 
+#include <stdio.h>
+
 #define LTH_XML_ATTRIBUTES_MAX 32
+
+/// What stands for a letter in XML, NULL where it stands for itself.
+const char *lth_xml_entity(char letter);
+
+/// Write text with its special letters escaped.
+void lth_xml_put_text(FILE *out, const char *text);
 
 /// `<name key="value" ...>`, `</name>` or `<name .../>`. Words point into the file.
 typedef struct LthXmlTag {

@@ -148,12 +148,8 @@ static LitheStatus keep_filled(LitheCtx *ctx, LthStaggeredBody *s) {
   LitheCount n = s->fractions->grid->n_slots;
   LTH_NEW(ctx, s->filled, n);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount slot = 0; slot < n; slot++) {
-    double sum = 0;
-    for (int q = 0; q < s->fractions->n_parts; q++)
-      sum += lth_fractions_part(s->fractions, slot, q);
-    s->filled[slot] = (float)(sum / s->fractions->n_parts);
-  }
+  for (LitheCount slot = 0; slot < n; slot++)
+    s->filled[slot] = (float)lth_fractions_cell(s->fractions, slot);
   return LITHE_OK;
 }
 

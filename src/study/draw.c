@@ -1,6 +1,8 @@
 /// Drawings as SVG text: panels with places in metres, fills, lines, words, images.
 #include "study/draw.h"
 
+#include "io/xml_tag.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -85,10 +87,8 @@ void lth_draw_dot(LthDrawing *d, const double at[2], double radius, const char *
 void lth_draw_words(LthDrawing *d, double x, double y, const char *words) {
   put(d, "<text x=\"%.6g\" y=\"%.6g\">", x, y);
   for (; *words; words++) {
-    if (*words == '<' || *words == '&')
-      put(d, *words == '<' ? "&lt;" : "&amp;");
-    else
-      put(d, "%c", *words);
+    const char *entity = lth_xml_entity(*words);
+    put(d, entity ? "%s" : "%.1s", entity ? entity : words);
   }
   put(d, "</text>\n");
 }

@@ -52,7 +52,8 @@ static LitheStatus run_one(LthBook *book, const LthStudy *study, const LitheStud
   return lth_book_finish(book, run, status, def);
 }
 
-static LitheStatus run_all(LthBook *book, const LitheStudyDef *def) {
+static LitheStatus run_all(LthBook *book, void *self) {
+  const LitheStudyDef *def = self;
   LitheIndex n = 0;
   const LthStudy *study;
   for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++) {
@@ -64,15 +65,10 @@ static LitheStatus run_all(LthBook *book, const LitheStudyDef *def) {
 }
 
 LitheStatus lithe_study(LitheCtx *ctx, const LitheStudyDef *def, LitheStudyResult **result) {
-  LthBook book;
+  LitheStudyDef own = *def;
   char title[200], command[300];
   snprintf(title, sizeof title, "Lithe: study %s", def->name);
   snprintf(command, sizeof command, "lithe study %s%s", def->name, def->quick ? " --quick" : "");
-  LthTextLocale before = lth_text_locale_begin();
-  LitheStatus status = lth_book_open(ctx, def->folder ? def->folder : "out/study", &book);
-  if (status == LITHE_OK) status = run_all(&book, def);
-  if (status == LITHE_OK) status = lth_book_write(&book, title, command, result);
-  lth_book_close(&book);
-  lth_text_locale_end(before);
-  return status;
+  return lth_book_make(ctx, def->folder ? def->folder : "out/study", title, command, run_all, &own,
+                       result);
 }

@@ -2,6 +2,7 @@
 #include "study/study_book.h"
 
 #include "io/file.h"
+#include "io/text.h"
 
 #include <string.h>
 
@@ -28,12 +29,7 @@ void lithe_study_result_destroy(LitheCtx *ctx, LitheStudyResult **result) {
   *result = NULL;
 }
 
-LitheStatus lth_book_open(LitheCtx *ctx, const char *folder, LthBook *book) {
-  *book = (LthBook){.ctx = ctx, .folder = folder, .start = lth_now()};
-  return lth_folder_make(ctx, folder);
-}
-
-void lth_book_close(LthBook *book) {
+static void close_book(LthBook *book) {
   while (book->first) {
     LthStudyRun *run = book->first;
     book->first = run->next;
@@ -92,8 +88,9 @@ static void count(const LthBook *book, LitheStudySummary *summary) {
   }
 }
 
-LitheStatus lth_book_write(LthBook *book, const char *title, const char *command,
-                           LitheStudyResult **result) {
+/// The page, index.md and study.json.
+static LitheStatus write_book(LthBook *book, const char *title, const char *command,
+                              LitheStudyResult **result) {
   LitheCtx *ctx = book->ctx;
   LthPageHead head = {title, command, lth_now() - book->start};
   LTH_NEW(ctx, *result, 1);
@@ -107,4 +104,27 @@ LitheStatus lth_book_write(LthBook *book, const char *title, const char *command
   if (summary->failed == 0) return LITHE_OK;
   LITHE_FAIL(ctx, LITHE_FAILED, "%d of %d studies do not hold: see %s/index.html", summary->failed,
              summary->studies, book->folder);
+}
+
+LitheStatus lth_book_make(LitheCtx *ctx, const char *folder, const char *title, const char *command,
+                          LthBookFill fill, void *self, LitheStudyResult **result) {
+  LthBook book = {.ctx = ctx, .folder = folder, .start = lth_now()};
+  LthTextLocale before = lth_text_locale_begin();
+  LitheStatus status = lth_folder_make(ctx, folder);
+  if (status == LITHE_OK) status = fill(&book, self);
+  if (status == LITHE_OK) status = write_book(&book, title, command, result);
+  close_book(&book);
+  lth_text_locale_end(before);
+  return status;
+}
+
+LitheStatus lth_book_folder(LitheCtx *ctx, const char *given, const char *scene, const char *what,
+                            char **folder) {
+  const char *slash = strrchr(scene, '/'), *stem = slash ? slash + 1 : scene;
+  const char *dot = strrchr(stem, '.');
+  char name[300];
+  if (given) return lth_copy_text(ctx, given, folder);
+  snprintf(name, sizeof name, "out/%.*s-%s", dot && dot > stem ? (int)(dot - stem) : 200, stem,
+           what);
+  return lth_copy_text(ctx, name, folder);
 }

@@ -2,6 +2,7 @@
 #include "study/study_files.h"
 
 #include "io/file.h"
+#include "io/xml_tag.h"
 
 #include <string.h>
 
@@ -18,31 +19,18 @@ static const char page_style[] =
     ".wide{overflow-x:auto}.fails{border-left:6px solid #111;padding-left:.6em;font-weight:bold}\n"
     ".why{color:#444;font-size:14px}\n";
 
-static void put(FILE *out, const char *text) {
-  for (; *text; text++) {
-    if (*text == '<')
-      fputs("&lt;", out);
-    else if (*text == '>')
-      fputs("&gt;", out);
-    else if (*text == '&')
-      fputs("&amp;", out);
-    else
-      fputc(*text, out);
-  }
-}
-
 static void put_element(FILE *out, const char *element, const char *text) {
   fprintf(out, "<%s>", element);
-  put(out, text);
+  lth_xml_put_text(out, text);
   fprintf(out, "</%s>\n", element);
 }
 
 static void put_heading(FILE *out, const char *name, const char *unit) {
   fputs("<th>", out);
-  put(out, name);
+  lth_xml_put_text(out, name);
   if (*unit) {
     fputs(" [", out);
-    put(out, unit);
+    lth_xml_put_text(out, unit);
     fputs("]", out);
   }
   fputs("</th>", out);
@@ -60,7 +48,7 @@ static void put_table(FILE *out, const LthTable *t) {
     fputs("<tr>", out);
     if (t->row_title) {
       fputs("<td>", out);
-      put(out, t->word[row] ? t->word[row] : "");
+      lth_xml_put_text(out, t->word[row] ? t->word[row] : "");
       fputs("</td>", out);
     }
     for (int c = 0; c < t->n_columns; c++)
@@ -83,11 +71,11 @@ static void put_check(FILE *out, const LthCheck *check) {
   bool holds = lth_check_holds(check);
   fprintf(out, "<p class=\"%s\">%s %s: ", holds ? "holds" : "fails",
           holds ? "&#10003;" : "&#10007;", lth_shown_verdict(holds));
-  put(out, check->what);
+  lth_xml_put_text(out, check->what);
   fputs(": ", out);
-  put(out, lth_shown_check(check, text));
+  lth_xml_put_text(out, lth_shown_check(check, text));
   fputs("<br><span class=\"why\">", out);
-  put(out, check->reason);
+  lth_xml_put_text(out, check->reason);
   fputs("</span></p>\n", out);
 }
 
@@ -109,15 +97,15 @@ static void put_item(FILE *out, const LthItem *item) {
 static void put_study(FILE *out, const LthStudyRun *run) {
   fprintf(out, "<section id=\"%s\">", run->study->name);
   fprintf(out, "<h2>%s: ", run->study->name);
-  put(out, run->study->title);
+  lth_xml_put_text(out, run->study->title);
   fputs("</h2>\n<p><em>", out);
-  put(out, run->study->question);
+  lth_xml_put_text(out, run->study->question);
   fprintf(out, "</em></p>\n<p><code>lithe study %s%s</code>, %.1f s</p>\n", run->study->name,
           run->quick ? " --quick" : "", run->seconds);
   for (const LthItem *item = run->report.first; item; item = item->next) put_item(out, item);
   if (run->trouble) {
     fputs("<p class=\"fails\">&#10007; STOPPED: ", out);
-    put(out, run->trouble);
+    lth_xml_put_text(out, run->trouble);
     fputs("</p>\n", out);
   }
   fputs("</section>\n", out);
@@ -130,7 +118,7 @@ static void put_overview(FILE *out, const LthStudyRun *runs) {
   for (const LthStudyRun *run = runs; run; run = run->next) {
     int n_failed, n = lth_study_checks(&run->report, &n_failed);
     fprintf(out, "<tr><td><a href=\"#%s\">%s</a></td><td>", run->study->name, run->study->name);
-    put(out, run->study->title);
+    lth_xml_put_text(out, run->study->title);
     fprintf(out, "</td><td>%d of %d</td><td>%s</td><td>%.1f</td></tr>\n", n - n_failed, n,
             run->trouble           ? "&#10007; stopped"
             : lth_study_holds(run) ? "&#10003; yes"
@@ -152,11 +140,11 @@ LitheStatus lth_study_write_page(LitheCtx *ctx, const char *folder, const LthPag
   fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width\">\n<title>",
         out);
-  put(out, head->title);
+  lth_xml_put_text(out, head->title);
   fprintf(out, "</title>\n<style>%s</style></head><body>\n", page_style);
   put_element(out, "h1", head->title);
   fputs("<p><code>", out);
-  put(out, head->command);
+  lth_xml_put_text(out, head->command);
   fprintf(out, "</code>, Lithe %d.%d.%d, %.1f s</p>\n", LITHE_VERSION_MAJOR, LITHE_VERSION_MINOR,
           LITHE_VERSION_PATCH, head->seconds);
   put_overview(out, runs);

@@ -316,15 +316,6 @@ static LitheStatus report(Grid *g) {
   return LITHE_OK;
 }
 
-static LitheStatus name_folder(LitheCtx *ctx, const LitheStudyDef *def, char **folder) {
-  const char *slash = strrchr(def->name, '/'), *stem = slash ? slash + 1 : def->name;
-  const char *dot = strrchr(stem, '.');
-  char name[300];
-  if (def->folder) return lth_copy_text(ctx, def->folder, folder);
-  snprintf(name, sizeof name, "out/%.*s-sweep", dot && dot > stem ? (int)(dot - stem) : 200, stem);
-  return lth_copy_text(ctx, name, folder);
-}
-
 /// The command as a person would write it again.
 static void write_command(const LitheStudyDef *def, char *text, size_t size) {
   snprintf(text, size, "lithe study %s", def->name);
@@ -334,31 +325,33 @@ static void write_command(const LitheStudyDef *def, char *text, size_t size) {
   }
 }
 
-static LitheStatus sweep_into(LthBook *book, const LitheStudyDef *def, LthStudy *study) {
+/// The one study of a sweep; as LthBookFill.
+typedef struct Sweep {
+  const LitheStudyDef *def;
+  LthStudy study;
+} Sweep;
+
+static LitheStatus sweep_into(LthBook *book, void *self) {
+  Sweep *s = self;
   LthStudyRun *run;
-  study->name = "sweep";
-  study->title = def->name;
-  study->question = "How do the main numbers go with the values, and what do they tend to?";
-  LITHE_TRY(lth_book_add(book, study, "", &run));
-  Grid grid = {.run = run, .def = def};
+  s->study = (LthStudy){
+      .name = "sweep",
+      .title = s->def->name,
+      .question = "How do the main numbers go with the values, and what do they tend to?"};
+  LITHE_TRY(lth_book_add(book, &s->study, "", &run));
+  Grid grid = {.run = run, .def = s->def};
   LITHE_TRY(parse_sweeps(&grid));
   LITHE_TRY(run_all(&grid));
-  return lth_book_finish(book, run, report(&grid), def);
+  return lth_book_finish(book, run, report(&grid), s->def);
 }
 
 LitheStatus lithe_sweep(LitheCtx *ctx, const LitheStudyDef *def, LitheStudyResult **result) {
-  LthBook book = {.ctx = ctx};
-  LthStudy study = {0};
+  Sweep sweep = {.def = def};
   char *folder, title[300], command[1000];
   snprintf(title, sizeof title, "Lithe: sweep of %s", def->name);
   write_command(def, command, sizeof command);
-  LITHE_TRY(name_folder(ctx, def, &folder));
-  LthTextLocale before = lth_text_locale_begin();
-  LitheStatus status = lth_book_open(ctx, folder, &book);
-  if (status == LITHE_OK) status = sweep_into(&book, def, &study);
-  if (status == LITHE_OK) status = lth_book_write(&book, title, command, result);
-  lth_book_close(&book);
-  lth_text_locale_end(before);
+  LITHE_TRY(lth_book_folder(ctx, def->folder, def->name, "sweep", &folder));
+  LitheStatus status = lth_book_make(ctx, folder, title, command, sweep_into, &sweep, result);
   lth_free(ctx, folder);
   return status;
 }

@@ -16,6 +16,7 @@
 LitheVerifyDef lithe_verify_def_default(void) { return (LitheVerifyDef){.tolerance = 0.01}; }
 
 typedef struct Verify {
+  LthStudy study;
   LthStudyRun *run;
   const LitheVerifyDef *def;
   const LthScene *scene; ///< as it stands in the file
@@ -176,54 +177,40 @@ static LitheStatus compare(Verify *v) {
   return LITHE_OK;
 }
 
-static LitheStatus verify_into(LthBook *book, const LitheVerifyDef *def, LthStudy *study) {
-  Verify v = {.def = def};
+/// As LthBookFill.
+static LitheStatus verify_into(LthBook *book, void *self) {
+  Verify *v = self;
   LitheScene *scene = NULL;
   LitheStudyDef teller = lithe_study_def_default();
-  teller.tell = def->tell;
-  teller.tell_user = def->tell_user;
-  *study = (LthStudy){
-      .name = "verify", .title = def->scene, .question = "Do the methods agree, and on what?"};
-  LITHE_TRY(lth_book_add(book, study, "", &v.run));
+  teller.tell = v->def->tell;
+  teller.tell_user = v->def->tell_user;
+  v->study = (LthStudy){
+      .name = "verify", .title = v->def->scene, .question = "Do the methods agree, and on what?"};
+  LITHE_TRY(lth_book_add(book, &v->study, "", &v->run));
   LitheSceneDef scene_def = lithe_scene_def_default();
-  scene_def.file = def->scene;
-  scene_def.overrides = def->overrides;
-  scene_def.n_overrides = def->n_overrides;
+  scene_def.file = v->def->scene;
+  scene_def.overrides = v->def->overrides;
+  scene_def.n_overrides = v->def->n_overrides;
   LitheStatus status = lithe_scene_read(book->ctx, &scene_def, &scene);
   if (status == LITHE_OK) {
-    v.scene = scene->scene;
-    status = compare(&v);
+    v->scene = scene->scene;
+    status = compare(v);
   }
   lithe_scene_destroy(book->ctx, &scene);
   LITHE_TRY(status);
-  return lth_book_finish(book, v.run, LITHE_OK, &teller);
-}
-
-static LitheStatus name_folder(LitheCtx *ctx, const LitheVerifyDef *def, char **folder) {
-  const char *slash = strrchr(def->scene, '/'), *stem = slash ? slash + 1 : def->scene;
-  const char *dot = strrchr(stem, '.');
-  char name[300];
-  if (def->folder) return lth_copy_text(ctx, def->folder, folder);
-  snprintf(name, sizeof name, "out/%.*s-verify", dot && dot > stem ? (int)(dot - stem) : 200, stem);
-  return lth_copy_text(ctx, name, folder);
+  return lth_book_finish(book, v->run, LITHE_OK, &teller);
 }
 
 LitheStatus lithe_verify(LitheCtx *ctx, const LitheVerifyDef *def, LitheStudyResult **result) {
-  LthBook book = {.ctx = ctx};
-  LthStudy study;
+  Verify v = {.def = def};
   char *folder, title[300], command[600];
   if (!(def->tolerance > 0))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "--tolerance: expected a positive share, got %g",
                def->tolerance);
   snprintf(title, sizeof title, "Lithe: %s by several methods", def->scene);
   snprintf(command, sizeof command, "lithe verify %s", def->scene);
-  LITHE_TRY(name_folder(ctx, def, &folder));
-  LthTextLocale before = lth_text_locale_begin();
-  LitheStatus status = lth_book_open(ctx, folder, &book);
-  if (status == LITHE_OK) status = verify_into(&book, def, &study);
-  if (status == LITHE_OK) status = lth_book_write(&book, title, command, result);
-  lth_book_close(&book);
-  lth_text_locale_end(before);
+  LITHE_TRY(lth_book_folder(ctx, def->folder, def->scene, "verify", &folder));
+  LitheStatus status = lth_book_make(ctx, folder, title, command, verify_into, &v, result);
   lth_free(ctx, folder);
   return status;
 }

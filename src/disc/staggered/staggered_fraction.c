@@ -40,13 +40,6 @@ void lth_staggered_visit(const LthStaggered *s,
   }
 }
 
-/// Fraction of a cell as it is now, with its held sides.
-static double cell_fraction(const LthStaggered *s, LitheCount slot) {
-  double sum = 0;
-  for (int q = 0; q < s->fractions->n_parts; q++) sum += lth_fractions_part(s->fractions, slot, q);
-  return sum / s->fractions->n_parts;
-}
-
 double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
                                int a) {
   double own = 0, all = 0, x[3];
@@ -55,7 +48,7 @@ double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, co
     LitheCount cell = slot[side ? -stride[a] : 0];
     if (cell < 0) continue;
     own += (double)s->filled[cell];
-    all += cell_fraction(s, cell);
+    all += lth_fractions_cell(s->fractions, cell); // as it is now, with its held sides
   }
   if (all <= own + 1e-6) return 1;
   if (s->level.state[a][*slot] != LTH_UNKNOWN_HELD) {

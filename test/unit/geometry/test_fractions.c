@@ -1,29 +1,10 @@
 /// Volume fractions: one lattice for all control volumes, margins, volumes, threads.
-#include "check.h"
+#include "ctx_fixture.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
 
 #include <string.h>
-
-typedef struct Fixture {
-  LitheCtx *ctx;
-} Fixture;
-
-static int setup(void **state) {
-  Fixture *f = calloc(1, sizeof *f);
-  f->ctx = test_ctx();
-  *state = f;
-  return 0;
-}
-
-static int teardown(void **state) {
-  Fixture *f = *state;
-  bool leaked = lth_alloc_bytes(f->ctx) != 0;
-  lithe_ctx_destroy(&f->ctx);
-  free(f);
-  return leaked;
-}
 
 static const LthShape ball = {.kind = LTH_SHAPE_SPHERE, .a = {0.03, -0.02, 0.05}, .radius = 0.7};
 static const double origin[3] = {-1, -0.9, -0.95}, h[3] = {0.1, 0.09, 0.095};
@@ -37,54 +18,34 @@ static LthFractions *create(LitheCtx *ctx, const LthShape *shape, int dim,
   return f;
 }
 
-/// Mean over a box by the samples of the lattice that lie in it, asked one by one.
-static double sampled_mean(const LthShape *shape, int dim, int samples, const double center[3]) {
-  int count = 0, all = 0;
-  for (int k = 0; k < (dim == 3 ? samples : 1); k++)
-    for (int j = 0; j < samples; j++)
-      for (int i = 0; i < samples; i++, all++) {
-        double x[3] = {0, 0, 0}, place[3] = {i, j, k};
-        for (int a = 0; a < dim; a++) x[a] = center[a] + h[a] * ((place[a] + 0.5) / samples - 0.5);
-        count += lth_shape_value(shape, x) <= 0;
-      }
-  return (double)count / all;
-}
-
-typedef void (*Means)(LitheCtx *ctx, const LthFractions *f, int axis, double *V);
-
-static void cells(LitheCtx *ctx, const LthFractions *f, int axis, double *V) {
-  (void)axis;
-  lth_fractions_cells(ctx, f, V);
-}
-
-static void check_means(LitheCtx *ctx, const LthFractions *f, const LthShape *shape, Means means,
-                        int axis, const double offset[3]) {
-  const LthSparseGrid *g = f->grid;
-  double *V = calloc((size_t)g->n_slots, sizeof *V);
-  means(ctx, f, axis, V);
-  for (LitheCount slot = 0; slot < g->n_slots; slot++) {
-    LitheIndex cell[3];
-    double x[3];
-    lth_sparse_grid_cell(g, slot, cell);
-    lth_sparse_grid_place(g, cell, offset, x);
-    CHECK_NEAR(V[slot], sampled_mean(shape, g->dim, 4, x), 1e-14);
+/// Mean over a part by the two samples an axis of the lattice that lie in it, asked one by one.
+static double sampled_mean(const LthShape *shape, int dim, const double center[3]) {
+  int count = 0, n_samples = 1 << dim;
+  for (int i = 0; i < n_samples; i++) {
+    double x[3] = {0, 0, 0};
+    for (int a = 0; a < dim; a++) x[a] = center[a] + h[a] * (i >> a & 1 ? 0.125 : -0.125);
+    count += lth_shape_value(shape, x) <= 0;
   }
-  free(V);
+  return (double)count / n_samples;
 }
 
-static void every_control_volume_is_the_mean_of_its_own_samples(void **state) {
+static void every_part_is_the_mean_of_its_own_samples(void **state) {
   Fixture *x = *state;
   for (int dim = 2; dim <= 3; dim++) {
     LthFractions *f = create(x->ctx, &ball, dim, &by_samples);
-    double z = dim == 3 ? 0.5 : 0;
-    check_means(x->ctx, f, &ball, cells, 0, (double[3]){0.5, 0.5, z});
-    check_means(x->ctx, f, &ball, lth_fractions_faces, 0, (double[3]){0, 0.5, z});
-    check_means(x->ctx, f, &ball, lth_fractions_faces, 1, (double[3]){0.5, 0, z});
-    check_means(x->ctx, f, &ball, lth_fractions_edges, 2, (double[3]){0, 0, z});
-    if (dim == 3) {
-      check_means(x->ctx, f, &ball, lth_fractions_faces, 2, (double[3]){0.5, 0.5, 0});
-      check_means(x->ctx, f, &ball, lth_fractions_edges, 0, (double[3]){0.5, 0, 0});
-      check_means(x->ctx, f, &ball, lth_fractions_edges, 1, (double[3]){0, 0.5, 0});
+    const LthSparseGrid *g = f->grid;
+    for (LitheCount slot = 0; slot < g->n_slots; slot++) {
+      LitheIndex cell[3];
+      double center[3], sum = 0;
+      lth_sparse_grid_cell(g, slot, cell);
+      for (int q = 0; q < f->n_parts; q++) {
+        double offset[3] = {0, 0, 0};
+        for (int a = 0; a < dim; a++) offset[a] = q >> a & 1 ? 0.75 : 0.25;
+        lth_sparse_grid_place(g, cell, offset, center);
+        CHECK_NEAR(lth_fractions_part(f, slot, q), sampled_mean(&ball, dim, center), 1e-14);
+        sum += lth_fractions_part(f, slot, q);
+      }
+      CHECK_NEAR(lth_fractions_cell(f, slot), sum / f->n_parts, 1e-14);
     }
     lth_fractions_destroy(x->ctx, &f);
   }
@@ -165,7 +126,7 @@ static void functions_give_their_own_parts(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      TEST(every_control_volume_is_the_mean_of_its_own_samples),
+      TEST(every_part_is_the_mean_of_its_own_samples),
       TEST(all_that_is_inside_is_in_a_block_with_all_its_neighbours),
       TEST(what_lies_beyond_the_grid_is_cut_off),
       TEST(a_shape_beside_the_grid_is_refused),

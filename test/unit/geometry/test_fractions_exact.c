@@ -1,28 +1,10 @@
 /// Exact fractions: volumes to rounding, whichever way the axes lie, of surfaces, primitives, combinations, voxels.
+#include "ctx_fixture.h"
 #include "soup_maker.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
 #include "geometry/shape.h"
-
-typedef struct Fixture {
-  LitheCtx *ctx;
-} Fixture;
-
-static int setup(void **state) {
-  Fixture *f = calloc(1, sizeof *f);
-  f->ctx = test_ctx();
-  *state = f;
-  return 0;
-}
-
-static int teardown(void **state) {
-  Fixture *f = *state;
-  bool leaked = lth_alloc_bytes(f->ctx) != 0;
-  lithe_ctx_destroy(&f->ctx);
-  free(f);
-  return leaked;
-}
 
 static const double origin[3] = {-1, -1, -1}, h[3] = {0.1, 0.1, 0.1};
 static const LitheIndex n[3] = {20, 20, 20};

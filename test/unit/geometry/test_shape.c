@@ -1,27 +1,8 @@
 /// Shapes: distances, bounds, and surfaces that are closed, oriented and on the true surface.
-#include "check.h"
+#include "ctx_fixture.h"
 
 #include "base/tensor.h"
 #include "geometry/shape.h"
-
-typedef struct Fixture {
-  LitheCtx *ctx;
-} Fixture;
-
-static int setup(void **state) {
-  Fixture *f = calloc(1, sizeof *f);
-  f->ctx = test_ctx();
-  *state = f;
-  return 0;
-}
-
-static int teardown(void **state) {
-  Fixture *f = *state;
-  bool leaked = lth_alloc_bytes(f->ctx) != 0;
-  lithe_ctx_destroy(&f->ctx);
-  free(f);
-  return leaked;
-}
 
 static void free_surface(LitheCtx *ctx, LthSurface *s) {
   lth_free(ctx, s->points), lth_free(ctx, s->tris), lth_free(ctx, s->tri_shell);
