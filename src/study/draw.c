@@ -63,13 +63,25 @@ static double page_y(const LthDrawing *d, const double at[2]) {
   return d->top + d->height - d->scale * (at[1] - d->corner[1]);
 }
 
-void lth_draw_polygon(LthDrawing *d, int n, const double *xy, const char *fill) {
-  put(d, "<path d=\"");
-  for (int i = 0; i < n; i++)
-    put(d, "%c%.1f %.1f", i == 0 ? 'M' : 'L', page_x(d, xy + 2 * (size_t)i),
-        page_y(d, xy + 2 * (size_t)i));
-  put(d, "Z\" fill=\"%s\" stroke=\"%s\" stroke-width=\".3\"/>\n", fill, fill);
+void lth_draw_area_begin(LthDrawing *d, const char *fill) {
+  put(d, "<path transform=\"scale(.1)\" fill=\"%s\" stroke=\"%s\" stroke-width=\"3\" d=\"", fill,
+      fill);
 }
+
+/// In whole tenths of a pixel, each corner by its way from the one before: thousands of cells have to stay a small file.
+void lth_draw_area_add(LthDrawing *d, int n, const double *xy) {
+  long before[2] = {0, 0};
+  for (int i = 0; i < n; i++) {
+    const double *at = xy + 2 * (size_t)i;
+    long x = lround(10 * page_x(d, at)), y = lround(10 * page_y(d, at));
+    put(d, i == 0 ? "M%ld %ld" : i == 1 ? "l%ld %ld" : " %ld %ld", x - before[0], y - before[1]);
+    before[0] = x;
+    before[1] = y;
+  }
+  put(d, "z");
+}
+
+void lth_draw_area_end(LthDrawing *d) { put(d, "\"/>\n"); }
 
 void lth_draw_line(LthDrawing *d, const double from[2], const double to[2], double width,
                    const char *colour) {

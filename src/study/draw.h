@@ -22,8 +22,10 @@ const char *lth_draw_end(LthDrawing *drawing, LthArena *arena);
 double lth_draw_panel(LthDrawing *drawing, const double box[4], double left, double top,
                       double width);
 
-/// A closed polygon of n places; its edges are drawn in the colour of the fill, so that no gap is seen.
-void lth_draw_polygon(LthDrawing *drawing, int n, const double *xy, const char *fill);
+/// An area of one colour out of closed polygons of n places; their edges are drawn too, so that no gap is seen.
+void lth_draw_area_begin(LthDrawing *drawing, const char *fill);
+void lth_draw_area_add(LthDrawing *drawing, int n, const double *xy);
+void lth_draw_area_end(LthDrawing *drawing);
 void lth_draw_line(LthDrawing *drawing, const double from[2], const double to[2], double width,
                    const char *colour);
 void lth_draw_dot(LthDrawing *drawing, const double at[2], double radius, const char *fill);

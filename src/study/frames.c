@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define SHADES 40 ///< of colour: cells of one shade are one path in the file
+
 /// Signed distance from the shape's boundary, negative inside.
 static double distance(const LthBody *body, const double x[3], double h) {
   LthFoot foot;
@@ -63,7 +65,7 @@ static void take_cell(LthFrame *f, const LthBody *body, const LthStaggered *s, L
   LitheIndex cell[3];
   lth_sparse_grid_cell(s->grid, s->cell_slot[c], cell);
   int n = clip_cell(body, s->grid, cell, place);
-  if (n < 3) return;
+  if (n < 3 || area_of(n, place) < 1e-6 * s->grid->h[0] * s->grid->h[1]) return;
   for (int i = 0; i < n; i++) {
     memcpy(x, place + (size_t)2 * i, 2 * sizeof *x);
     x[2] = 0;
@@ -137,11 +139,17 @@ static void find_box(const LthFrames *frames, double box[4], double *largest) {
   }
 }
 
+static int shade_of(double share) { return share > 0 ? (int)fmin(share * SHADES, SHADES - 1) : 0; }
+
 static void draw_frame(const LthFrame *f, LthDrawing *d, double largest) {
   char colour[LTH_COLOUR_MAX];
-  for (int c = 0; c < f->n; c++)
-    lth_draw_polygon(d, f->corners[c], f->place + (size_t)2 * LTH_FRAME_CORNERS * (size_t)c,
-                     lth_colour(0.15 + 0.85 * f->value[c] / largest, colour));
+  for (int shade = 0; shade < SHADES; shade++) {
+    lth_draw_area_begin(d, lth_colour(0.15 + 0.85 * (shade + 0.5) / SHADES, colour));
+    for (int c = 0; c < f->n; c++)
+      if (shade_of(f->value[c] / largest) == shade)
+        lth_draw_area_add(d, f->corners[c], f->place + (size_t)2 * LTH_FRAME_CORNERS * (size_t)c);
+    lth_draw_area_end(d);
+  }
   for (int i = 0; i < f->n_held; i++)
     lth_draw_dot(d, f->held + (size_t)2 * (size_t)i, 1.6, "#ff9933");
 }

@@ -100,6 +100,20 @@ static inline double ring_force_y(const void *self, const double x[3], double t)
   return 8 * M_PI * M_PI * *(const double *)self * ring_y(NULL, x, t);
 }
 
+/// The solution on a grid that is full, held as `hold` says. b keeps its place; sg_free() it.
+static inline void ring_solve_full(int N, const LthStaggeredHold *hold, SgBody *b) {
+  double lambda, mu;
+  SgDef def = ring_def(N, sg_full, hold);
+  lth_lame(def.young, def.poisson, &lambda, &mu);
+  LthLoad load = {
+      .kind = LTH_LOAD_BODY_FORCE,
+      .value = {{.eval = ring_force_x, .self = &mu}, {.eval = ring_force_y, .self = &mu}}};
+  sg_create(b, &def);
+  sg_assemble(b);
+  CHECK_OK(b->ctx, lth_disc_add_load(b->ctx, b->disc, &load, 0, NULL, b->f));
+  CHECK_OK(b->ctx, sg_solve(b));
+}
+
 typedef struct RingError {
   double l1, linf;
 } RingError;

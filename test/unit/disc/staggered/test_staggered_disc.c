@@ -297,18 +297,9 @@ static void a_pulled_block_has_the_stress_and_reactions_of_uniaxial_stress(void 
 }
 
 static void check_fixed_ring(int N, double l1, double linf) {
-  double lambda, mu;
   SgBody b;
   LthStaggeredHold hold = ring_hold(ring_is_outside, NULL);
-  SgDef def = ring_def(N, sg_full, &hold);
-  lth_lame(def.young, def.poisson, &lambda, &mu);
-  LthLoad load = {
-      .kind = LTH_LOAD_BODY_FORCE,
-      .value = {{.eval = ring_force_x, .self = &mu}, {.eval = ring_force_y, .self = &mu}}};
-  sg_create(&b, &def);
-  sg_assemble(&b);
-  CHECK_OK(b.ctx, lth_disc_add_load(b.ctx, b.disc, &load, 0, NULL, b.f));
-  CHECK_OK(b.ctx, sg_solve(&b));
+  ring_solve_full(N, &hold, &b);
   RingError e = ring_error(&b);
   CHECK_NEAR(e.l1, l1, 0.0006 * l1); // four digits
   CHECK_NEAR(e.linf, linf, 0.0006 * linf);

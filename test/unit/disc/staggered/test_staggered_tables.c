@@ -14,18 +14,10 @@ static double node_error(const SgBody *b, LitheIndex i, LitheIndex j, int a, con
 }
 
 static void check_nodes(int N, double l1, double linf) {
-  double h = 2.0 / N, lambda, mu;
+  double h = 2.0 / N;
   SgBody b;
   LthStaggeredHold hold = ring_hold(ring_box_is_outside, &h);
-  SgDef def = ring_def(N, sg_full, &hold);
-  lth_lame(def.young, def.poisson, &lambda, &mu);
-  LthLoad load = {
-      .kind = LTH_LOAD_BODY_FORCE,
-      .value = {{.eval = ring_force_x, .self = &mu}, {.eval = ring_force_y, .self = &mu}}};
-  sg_create(&b, &def);
-  sg_assemble(&b);
-  CHECK_OK(b.ctx, lth_disc_add_load(b.ctx, b.disc, &load, 0, NULL, b.f));
-  CHECK_OK(b.ctx, sg_solve(&b));
+  ring_solve_full(N, &hold, &b);
   RingError e = {0};
   const LthSparseGrid *g = b.s->grid;
   for (LitheIndex j = 0; j < g->n[1]; j++)
