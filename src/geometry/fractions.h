@@ -17,6 +17,9 @@ typedef struct LthFractionDef {
   double half_width; ///< of the smooth profile, in cells; 0: 1.2
 } LthFractionDef;
 
+/// Half width of the smooth profile [cells].
+double lth_fraction_half_width(const LthFractionDef *def);
+
 enum { LTH_CELL_EMPTY, LTH_CELL_FULL, LTH_CELL_CUT }; ///< LTH_CELL_CUT and above: cut
 
 /// Part q of a cell is the quarter (eighth) towards the corner with bit a of q set where it is the high one

@@ -1,40 +1,46 @@
-/// Making parts of cells full: what cells are is decided anew, block by block, and their parts are laid out again.
+/// Giving parts of cells other fractions: what cells are is decided anew, block by block, and their parts are laid out again.
 #include "geometry/fractions_complete.h"
 
-/// Old and new; `mask` has the chosen parts of every slot.
+#include <string.h>
+
+/// Old and new.
 typedef struct Change {
   const LthFractions *old;
-  uint8_t *mask;     // (n_slots)
+  LthPartChange change;
+  const void *self;
   uint16_t *cell;    // (n_slots)
   LitheCount *first; // (n_blocks + 1)
   double *part;
+  double *sum; // of parts, per block
 } Change;
 
-static double part_after(const Change *c, LitheCount slot, int q) {
-  return c->mask[slot] >> q & 1 ? 1 : lth_fractions_part(c->old, slot, q);
+/// Parts of a slot's cell after the change.
+static void parts_after(const Change *c, LitheCount slot, double part[8]) {
+  for (int q = 0; q < c->old->n_parts; q++) part[q] = lth_fractions_part(c->old, slot, q);
+  if (c->old->cell[slot] != LTH_CELL_FULL) c->change(c->self, slot, part);
 }
 
-static uint16_t kind_after(const Change *c, LitheCount slot) {
+static uint16_t kind_after(const Change *c, LitheCount slot, double *sum) {
   bool any = false, all = true;
+  double part[8];
+  parts_after(c, slot, part);
   for (int q = 0; q < c->old->n_parts; q++) {
-    double v = part_after(c, slot, q);
-    any = any || v > 0;
-    all = all && v == 1;
+    *sum += part[q];
+    any = any || part[q] > 0;
+    all = all && part[q] == 1;
   }
   return all ? LTH_CELL_FULL : any ? LTH_CELL_CUT : LTH_CELL_EMPTY;
 }
 
-/// Choose, and number the cut cells of each block.
-static void choose_parts(LitheCtx *ctx, Change *c, LthPartChoice choose, const void *self) {
+/// What cells are, and how many of each block are cut.
+static void classify(LitheCtx *ctx, Change *c) {
   const LthSparseGrid *g = c->old->grid;
 #pragma omp parallel for schedule(dynamic, 4) num_threads(lth_threads(ctx))
   for (LitheIndex block = 0; block < g->n_blocks; block++) {
     LitheCount slot = (LitheCount)block * g->block_cells, end = slot + g->block_cells;
     uint16_t n_cut = 0;
     for (; slot < end; slot++) {
-      uint16_t kind = c->old->cell[slot];
-      if (kind != LTH_CELL_FULL) c->mask[slot] = choose(self, slot);
-      if (c->mask[slot] || kind >= LTH_CELL_CUT) kind = kind_after(c, slot);
+      uint16_t kind = kind_after(c, slot, &c->sum[block]);
       c->cell[slot] = kind == LTH_CELL_CUT ? (uint16_t)(LTH_CELL_CUT + n_cut++) : kind;
     }
     c->first[block + 1] = n_cut;
@@ -44,41 +50,82 @@ static void choose_parts(LitheCtx *ctx, Change *c, LthPartChoice choose, const v
 static void copy_parts(LitheCtx *ctx, const Change *c) {
   const LthFractions *f = c->old;
   const LthSparseGrid *g = f->grid;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(dynamic, 4) num_threads(lth_threads(ctx))
   for (LitheIndex block = 0; block < g->n_blocks; block++)
     for (LitheIndex local = 0; local < g->block_cells; local++) {
       LitheCount slot = (LitheCount)block * g->block_cells + local;
+      double part[8];
       if (c->cell[slot] < LTH_CELL_CUT) continue;
-      double *to = c->part + (c->first[block] + c->cell[slot] - LTH_CELL_CUT) * f->n_parts;
-      for (int q = 0; q < f->n_parts; q++) to[q] = part_after(c, slot, q);
+      parts_after(c, slot, part);
+      memcpy(c->part + (c->first[block] + c->cell[slot] - LTH_CELL_CUT) * f->n_parts, part,
+             (size_t)f->n_parts * sizeof *part);
     }
+}
+
+static void exchange(LthFractions *f, Change *c) {
+  uint16_t *cell = f->cell;
+  LitheCount *first = f->first;
+  double *part = f->part;
+  f->cell = c->cell;
+  f->first = c->first;
+  f->part = c->part;
+  c->cell = cell;
+  c->first = first;
+  c->part = part;
+}
+
+LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *f, LthPartChange change,
+                                 const void *self) {
+  LitheStatus status = LITHE_OK;
+  const LthSparseGrid *g = f->grid;
+  Change c = {.old = f, .change = change, .self = self};
+  double sum = 0;
+  LTH_NEW_OR(done, ctx, c.cell, g->n_slots);
+  LTH_NEW_OR(done, ctx, c.first, (LitheCount)g->n_blocks + 1);
+  LTH_NEW_OR(done, ctx, c.sum, g->n_blocks);
+  classify(ctx, &c);
+  for (LitheIndex b = 0; b < g->n_blocks; b++) {
+    c.first[b + 1] += c.first[b];
+    sum += c.sum[b];
+  }
+  LTH_NEW_OR(done, ctx, c.part, c.first[g->n_blocks] * f->n_parts);
+  copy_parts(ctx, &c);
+  exchange(f, &c);
+  f->volume = sum * lth_sparse_grid_cell_volume(g) / f->n_parts;
+done:
+  lth_free(ctx, c.cell);
+  lth_free(ctx, c.first);
+  lth_free(ctx, c.part);
+  lth_free(ctx, c.sum);
+  return status;
+}
+
+// --- parts that become full ---
+
+typedef struct Filling {
+  const LthFractions *fractions;
+  uint8_t *mask; ///< chosen parts of every slot (n_slots)
+} Filling;
+
+static void fill_parts(const void *filling, LitheCount slot, double *part) {
+  const Filling *f = filling;
+  for (int q = 0; q < f->fractions->n_parts; q++)
+    if (f->mask[slot] >> q & 1) part[q] = 1;
 }
 
 LitheStatus lth_fractions_complete(LitheCtx *ctx, LthFractions *f, LthPartChoice choose,
                                    const void *self) {
   LitheStatus status = LITHE_OK;
-  const LthSparseGrid *g = f->grid;
-  Change c = {.old = f};
-  LTH_NEW_OR(done, ctx, c.mask, g->n_slots);
-  LTH_NEW_OR(done, ctx, c.cell, g->n_slots);
-  LTH_NEW_OR(done, ctx, c.first, (LitheCount)g->n_blocks + 1);
-  choose_parts(ctx, &c, choose, self);
-  for (LitheIndex b = 0; b < g->n_blocks; b++) c.first[b + 1] += c.first[b];
-  LTH_NEW_OR(done, ctx, c.part, c.first[g->n_blocks] * f->n_parts);
-  copy_parts(ctx, &c);
-  lth_free(ctx, f->cell);
-  lth_free(ctx, f->first);
-  lth_free(ctx, f->part);
-  f->cell = c.cell;
-  f->first = c.first;
-  f->part = c.part;
-  c.cell = NULL;
-  c.first = NULL;
-  c.part = NULL;
+  Filling filling = {.fractions = f};
+  LitheCount n = f->grid->n_slots;
+  double volume = f->volume;
+  LTH_NEW_OR(done, ctx, filling.mask, n);
+#pragma omp parallel for schedule(dynamic, 2048) num_threads(lth_threads(ctx))
+  for (LitheCount slot = 0; slot < n; slot++)
+    if (f->cell[slot] != LTH_CELL_FULL) filling.mask[slot] = choose(self, slot);
+  LITHE_TRY_OR(done, lth_fractions_change(ctx, f, fill_parts, &filling));
+  f->volume = volume;
 done:
-  lth_free(ctx, c.mask);
-  lth_free(ctx, c.cell);
-  lth_free(ctx, c.first);
-  lth_free(ctx, c.part);
+  lth_free(ctx, filling.mask);
   return status;
 }

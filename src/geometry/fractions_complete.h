@@ -1,7 +1,15 @@
-/// Making parts of cells full where the solid goes on beyond its surface: on sides that are held.
+/// Giving parts of cells other fractions than the shape's alone: where sides are held.
 #pragma once
 
 #include "geometry/fractions.h"
+
+/// New fractions of the parts of a slot's cell in place of those that it has. Thread-safe; asked twice, but not of cells
+/// that are full.
+typedef void (*LthPartChange)(const void *self, LitheCount slot, double *part);
+
+/// Change parts; `volume` is that of what they have become.
+LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *fractions, LthPartChange change,
+                                 const void *self);
 
 /// Bit q set: part q of a slot's cell is to be full. Thread-safe; not asked of cells that are.
 typedef uint8_t (*LthPartChoice)(const void *self, LitheCount slot);

@@ -3,9 +3,7 @@
 
 #include "base/tensor.h"
 
-#define SAMPLES_MAX 64    ///< along a cell
-#define HALF_WIDTH 1.2    ///< of the smooth profile, in cells
-#define GRADIENT_STEP 0.5 ///< of cells
+#define SAMPLES_MAX 64 ///< along a cell
 
 static LitheStatus check_def(LitheCtx *ctx, const LthFractionDef *def) {
   if (def->method == LTH_FRACTIONS_SAMPLES &&
@@ -29,21 +27,13 @@ LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
                                  const LthFractionDef *def, LthFractions **fractions) {
   LitheStatus status = LITHE_OK;
   LthProbe *probe = NULL;
-  double smallest = h[0], largest = h[0];
+  double smallest = h[0];
   *fractions = NULL;
   LITHE_TRY(check_def(ctx, def));
-  for (int a = 1; a < dim; a++) {
-    smallest = fmin(smallest, h[a]);
-    largest = fmax(largest, h[a]);
-  }
+  for (int a = 1; a < dim; a++) smallest = fmin(smallest, h[a]);
   LITHE_TRY_OR(done, lth_probe_create(ctx, shape, smallest, &probe));
   LthSampler sampler = {.probe = probe, .samples = def->samples};
-  LthSmoother smoother = {
-      .probe = probe,
-      .width = (def->half_width > 0 ? def->half_width : HALF_WIDTH) * largest,
-      .step = GRADIENT_STEP * smallest,
-      .dim = dim,
-  };
+  LthSmoother smoother = lth_fraction_smoother(probe, def, dim, h);
   LthFractionFiller filler = {&sampler, lth_fraction_sample_side, lth_fraction_fill_samples};
   if (def->method == LTH_FRACTIONS_EXACT)
     filler = dim == 2 ? lth_fraction_plane_filler(probe)

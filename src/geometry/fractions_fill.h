@@ -66,6 +66,10 @@ typedef struct LthSmoother {
   double step;  ///< of gradients [m]
   int dim;
 } LthSmoother;
+LthSmoother lth_fraction_smoother(const LthProbe *probe, const LthFractionDef *def, int dim,
+                                  const double h[3]);
+/// From 1 at s = -1 to 0 at s = 1.
+double lth_fraction_profile(double s);
 LthSide lth_fraction_smooth_side(const void *smoother, const double center[3],
                                  const double half[3]);
 LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx,

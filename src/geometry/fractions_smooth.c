@@ -4,10 +4,28 @@
 
 #include "base/tensor.h"
 
-#define ROUNDING 1e-9 ///< of a distance
+#define ROUNDING 1e-9     ///< of a distance
+#define HALF_WIDTH 1.2    ///< of the smooth profile, in cells
+#define GRADIENT_STEP 0.5 ///< of cells
 
-/// From 1 at s = -1 to 0 at s = 1.
-static double profile(double s) {
+double lth_fraction_half_width(const LthFractionDef *def) {
+  return def->half_width > 0 ? def->half_width : HALF_WIDTH;
+}
+
+LthSmoother lth_fraction_smoother(const LthProbe *probe, const LthFractionDef *def, int dim,
+                                  const double h[3]) {
+  double smallest = h[0], largest = h[0];
+  for (int a = 1; a < dim; a++) {
+    smallest = fmin(smallest, h[a]);
+    largest = fmax(largest, h[a]);
+  }
+  return (LthSmoother){.probe = probe,
+                       .width = lth_fraction_half_width(def) * largest,
+                       .step = GRADIENT_STEP * smallest,
+                       .dim = dim};
+}
+
+double lth_fraction_profile(double s) {
   if (s <= -1) return 1;
   return s >= 1 ? 0 : 0.5 * (1 - s - sin(M_PI * s) / M_PI);
 }
@@ -54,7 +72,7 @@ static double smooth_part(const void *walk, const LthFractionFrame *f, const dou
   double d = shape->kind == LTH_SHAPE_MESH && shape->bvh
                  ? walk_distance(w, shape->bvh, x)
                  : lth_probe_distance(s->probe, x, f->dim, s->step);
-  return profile(d / s->width);
+  return lth_fraction_profile(d / s->width);
 }
 
 LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx, const LthFractionFrame *f,

@@ -8,6 +8,7 @@
 
 #define ALONG 0.5     // cosine: a normal that looks along an axis, be it at an edge
 #define STRAIGHT 1e-6 // sine of the angle by which a roller's normal may miss its axis
+#define ALIGNED 1e-6  // of a cell: a side along faces of the grid
 #define DIRECTIONS 6  // of a roller: along each axis and against it
 
 static double against(const void *self, const double x[3], double t) {
@@ -75,7 +76,19 @@ static bool holds_along(const LthBody *body, const LthSceneConstraint *c, const 
   return c->normal_only || along > ALONG;
 }
 
-/// A part of a cell at the boundary. Beyond the surface only what holds all components goes on.
+/// Does a boundary along an axis pass between the faces of the cell of a part at x?
+static bool is_cut_through(const LthBody *body, const double x[3], const LthPlace *place) {
+  const LthSparseGrid *g = body->staggered->fractions->grid;
+  for (int a = 0; a < g->dim; a++) {
+    if (fabs(place->normal[a]) < 1 - STRAIGHT) continue;
+    double cell = floor((x[a] - g->origin[a]) / g->h[a]);
+    double t = (place->point[a] - g->origin[a]) / g->h[a] - cell;
+    return t > ALIGNED && t < 1 - ALIGNED;
+  }
+  return true;
+}
+
+/// A part of a cell at the boundary. A roller's side that lies along faces of the grid cuts nothing. Beyond the surface only what holds all components goes on.
 static bool part_is_held(const LthBody *body, const double x[3], bool is_cut) {
   const LthStaggeredBody *s = body->staggered;
   LthPlace place;
@@ -88,7 +101,8 @@ static bool part_is_held(const LthBody *body, const double x[3], bool is_cut) {
     if (!lth_where_solid_is_near(where, x, 2 * s->diagonal)) continue;
     if (!is_known && !lth_staggered_boundary_place(body, x, s->diagonal, &place)) return false;
     is_known = true;
-    if (!wholly && !holds_along(body, c, place.normal)) continue;
+    if (!wholly && !(holds_along(body, c, place.normal) && is_cut_through(body, x, &place)))
+      continue;
     lth_v3_copy(x, place.x);
     if (contains_either(where, &place)) return true;
   }

@@ -114,6 +114,18 @@ static LitheStatus make_frame(LitheCtx *ctx, const LthBody *body, const double l
   return LITHE_OK;
 }
 
+/// Smooth fractions reach beyond the body: cells for them, in addition to those that were asked for.
+static void make_room(const LthFractionDef *def, Frame *f) {
+  double widest = 0;
+  if (def->method != LTH_FRACTIONS_SMOOTH) return;
+  for (int a = 0; a < f->dim; a++) widest = fmax(widest, f->h[a]);
+  for (int a = 0; a < f->dim; a++) {
+    LitheIndex more = (LitheIndex)ceil(lth_fraction_half_width(def) * widest / f->h[a] - 1e-9);
+    f->origin[a] -= more * f->h[a];
+    f->n[a] += 2 * more;
+  }
+}
+
 /// A grid of its own has to hold the body: it would be cut off at its rim.
 static LitheStatus check_covers(LitheCtx *ctx, const LthBody *body, const double low[3],
                                 const double high[3], const Frame *f) {
@@ -146,7 +158,7 @@ static LitheStatus blame(LitheCtx *ctx, const LthBody *body, const char *key, Li
 
 static LitheStatus keep_filled(LitheCtx *ctx, LthStaggeredBody *s) {
   LitheCount n = s->fractions->grid->n_slots;
-  LTH_NEW(ctx, s->filled, n);
+  if (!s->filled) LTH_NEW(ctx, s->filled, n);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount slot = 0; slot < n; slot++)
     s->filled[slot] = (float)lth_fractions_cell(s->fractions, slot);
@@ -167,7 +179,6 @@ static void measure(LthBody *body, const double low[3], const double high[3], co
   }
   s->diagonal = sqrt(sum);
   body->cell_size = f->dim == 3 ? cbrt(volume) : sqrt(volume);
-  s->volume = s->fractions->volume;
 }
 
 LitheStatus lth_build_fractions(LitheCtx *ctx, LthBody *body) {
@@ -179,11 +190,18 @@ LitheStatus lth_build_fractions(LitheCtx *ctx, LthBody *body) {
   if (body->scene->dimension == 2) low[2] = high[2] = 0;
   LITHE_TRY(make_frame(ctx, body, low, high, &f));
   LITHE_TRY(check_covers(ctx, body, low, high, &f));
+  make_room(&def->fractions, &f);
   LITHE_TRY(blame(ctx, body, "shape",
                   lth_fractions_create(ctx, &def->shape, f.dim, f.origin, f.h, f.n, &def->fractions,
                                        &body->staggered->fractions)));
   measure(body, low, high, &f);
-  return keep_filled(ctx, body->staggered);
+  LITHE_TRY(keep_filled(ctx, body->staggered));
+  if (def->fractions.method == LTH_FRACTIONS_SMOOTH) {
+    LITHE_TRY(lth_staggered_mirror_sides(ctx, body));
+    LITHE_TRY(keep_filled(ctx, body->staggered));
+  }
+  body->staggered->volume = body->staggered->fractions->volume;
+  return LITHE_OK;
 }
 
 // --- places ---

@@ -37,6 +37,9 @@ LitheStatus lth_build_fractions(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_staggered(LitheCtx *ctx, LthBody *body);
 void lth_staggered_body_destroy(LitheCtx *ctx, LthStaggeredBody **body);
 
+/// Smooth fractions at flat sides that rollers hold become those of the solid and its mirror image (build_mirror.c).
+LitheStatus lth_staggered_mirror_sides(LitheCtx *ctx, LthBody *body);
+
 /// Its parts: holds with their full sides (build_hold.c), the material field (build_field.c), loads
 /// (build_grid_load.c).
 LitheStatus lth_staggered_hold_sides(LitheCtx *ctx, LthBody *body);

@@ -227,6 +227,63 @@ def test_shell():
                json.loads(got.stdout)["elements"] == report["elements"], got.stdout + got.stderr)
 
 
+BLOB = """lithe: 1
+dimension: DIM
+bodies:
+  - name: blob
+    shape: SHAPE
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3}
+    method: {kind: staggered, cells: 20, fractions: smooth}
+"""
+WIDTH = 0.06  # 1.2 cells, half of the profile
+
+
+def profile(s):
+    return 1 if s <= -1 else 0 if s >= 1 else (1 - s - math.sin(math.pi * s) / math.pi) / 2
+
+
+def corner(dim, n=24):
+    """What a corner of a cube holds in addition, over WIDTH^dim: the profile of its distance at midpoints."""
+    step, total = 2 / n, 0
+    for i in range(n**dim):
+        x = [-1 + (i // n**a % n + 0.5) * step for a in range(dim)]
+        outside = math.sqrt(sum(max(v, 0)**2 for v in x))
+        total += step**dim * (profile(outside or max(x)) - all(v < 0 for v in x))
+    return total
+
+
+def test_smooth():
+    """Smooth fractions reach beyond the body, on whatever grid, but not beyond planes of symmetry."""
+    moment = (1 / 6 - 1 / math.pi**2)  # of the profile less a step, twice
+    square, edge = 1 + 4 * corner(2) * WIDTH**2, corner(2) * WIDTH**2
+    # parts see 0.123 of a corner's WIDTH^2 where the integral is 0.117
+    bodies = {"a_disk": (2, "{disk: {center: [0, 0], radius: 0.5}}",
+                         math.pi / 4 * (1 + 2 * moment * (WIDTH / 0.5)**2), 1e-4),
+              "a_ball": (3, "{sphere: {center: [0, 0, 0], radius: 0.5}}",
+                         math.pi / 6 * (1 + 6 * moment * (WIDTH / 0.5)**2), 1e-4),
+              "a_square": (2, "{box: {min: [0, 0], max: [1, 1]}}", square, 2e-4),
+              "a_cube": (3, "{box: {min: [0, 0, 0], max: [1, 1, 1]}}",
+                         1 + 12 * edge * (1 - 2 * WIDTH) + 8 * corner(3) * WIDTH**3, 4e-4)}
+    with folder() as d:
+        for name, (dim, shape, volume, tolerance) in bodies.items():
+            write(d, "blob.yaml", BLOB.replace("DIM", str(dim)).replace("SHAPE", shape))
+            got = run("mesh", "blob.yaml", "--json", cwd=d)
+            told = json.loads(got.stdout).get("volume") if got.returncode == 0 else None
+            expect(name + "_has_the_volume_of_its_smooth_profile", told and near(told, volume, tolerance), (told, volume))
+        scene = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes", "ring.yaml")
+        r = result(d, scene, "bodies.0.method.cells=32")
+        larger = result(d, scene, "bodies.0.method={kind: staggered, fractions: smooth, grid: {min: [-0.05, -0.05], "
+                        "max: [0.25, 0.25], cells: [48, 48]}}")
+        expect("a_larger_grid_changes_nothing_of_a_ring_on_rollers", "failed" not in r and "failed" not in larger and
+               all(near(larger["error"][k], r["error"][k], 1e-6) for k in ("l1", "l2", "linf")),
+               (r.get("error"), larger.get("error")))
+        expect("its_area_is_a_quarter_of_the_rings", near(r["bodies"][0]["volume"], math.pi * 0.03 / 4, 1e-5), r["bodies"])
+        a, b = r["probes"]["inner"]["stress"][:2]
+        hoop = 100e6 * 5 / 3
+        expect("stress_where_a_roller_meets_the_free_boundary_is_good_to_one_cell", near(b, hoop, 0.03) and
+               near(a, -100e6, 0.07), (a, b))
+
+
 def nifti(n, voxels, affine):
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
@@ -342,6 +399,7 @@ test_forecast()
 test_bunny()
 test_thesis()
 test_shell()
+test_smooth()
 test_scan()
 test_bad_input()
 done()
