@@ -78,17 +78,34 @@ typedef struct LthDiscSolver {
   LitheStatus (*solve)(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra, double reach,
                        const double *rhs, double *w, double tolerance, LitheIndex max_iterations,
                        LthSolveReport *report);
-  /// Positions for w = 0 (n_dofs), held unknowns where they will be: constraints on positions start from there. NULL:
-  /// the discretisation has none. Before every solve() whose w moves the body; x is read at once.
-  void (*aim)(LthDisc *disc, const double *x);
+  /// Displacements for w = 0 (n_dofs), held unknowns where they will be: constraints on positions start from there.
+  /// NULL: the discretisation has none. Before every solve() whose w moves the body; u is read at once.
+  void (*aim)(LthDisc *disc, const double *u);
   LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
 } LthDiscSolver;
+
+/// Volumes that a body keeps, where nu = 0.5: besides K x - f0 (docs/theory/staggered-mixed.md, (2)) its cells have
+/// pressures, which solutions find. With c = C u the volumetric strains of such cells and W their volumes, pressures q
+/// act as C^T W q, and K contains C^T W lambda C.
+typedef struct LthDiscVolume {
+  LitheCount (*count)(const LthDisc *disc); ///< of such cells
+  /// W [m^3] and lambda [Pa]                                                              (count each)
+  void (*scales)(const LthDisc *disc, double *volume, double *lambda);
+  void (*strain)(const LthDisc *disc, int threads, const double *u, double *c); ///< c = C u
+  /// f += C^T W q [N]; q NULL: the pressures that f0 contains.
+  void (*push)(const LthDisc *disc, const double *q, double *f);
+  /// f += C^T W (pressures as solved last less those in f0).
+  void (*push_change)(const LthDisc *disc, double *f);
+  /// Pressures of the next linearisation: those in f0 and q.
+  void (*keep)(LthDisc *disc, const double *q);
+} LthDiscVolume;
 
 /// What a discretisation does. Every vector of coefficients is of its own unknowns (n_dofs), function i and
 /// component a at 3 i + a; every matrix has its block rows. `x` is the position, `u` = x - rest.
 typedef struct LthDiscTable {
   const char *name;            ///< "dg", "cg", "staggered"
   const LthDiscSolver *solver; ///< or NULL
+  const LthDiscVolume *volume; ///< or NULL
 
   /// Functions that are not zero in a cell (func, ascending) and their values at x, which may lie
   /// outside; returns how many. Component a of function i has the value phi[3 i + a]: the components' functions

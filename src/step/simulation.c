@@ -41,6 +41,7 @@ static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(lth_block_jacobi_create(ctx, s->A, &s->jacobi));
   LITHE_TRY(lth_reduction_create(ctx, s->A, s->jacobi, &s->reduction));
   LITHE_TRY(lth_cg_create(ctx, s->n, &s->cg));
+  LITHE_TRY(lth_step_volume_create(ctx, s));
   for (LitheIndex row = 0; row < s->A->n_rows; row++) {
     LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row];
     s->n_extra += m * m;
@@ -98,6 +99,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);
   lth_newton_free(ctx, s->newton);
+  lth_step_volume_free(ctx, s->volume);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);
   lth_multilevel_destroy(ctx, &s->levels);

@@ -45,6 +45,9 @@ typedef struct LthInertia {
   double tensor[9]; // about the centre
 } LthInertia;
 
+/// Pressures of bodies that keep their volume (step_volume.c).
+typedef struct LthStepVolume LthStepVolume;
+
 /// Memory of Newton's method for equilibria (step_newton.c).
 typedef struct LthNewton LthNewton;
 
@@ -61,6 +64,7 @@ struct LthSimulation {
   const LthDiscSolver *own; // of the only body, which needs no matrix; NULL: all of the following
   LthBlockMatrix *A;        // K as assembled, then cm M + ck K; NULL with `own`
   LthBlockJacobi *jacobi;
+  LthStepVolume *volume;   // NULL: no body keeps its volume, or `own` does that
   LthReduction *reduction; // red-black form of A, where there is no contact
   LthCg *cg;
   double *extra; // contact's part of the diagonal blocks, NULL without contact
@@ -134,6 +138,26 @@ void lth_step_constrain(LitheCtx *ctx, LthSimulation *s);
 LitheStatus lth_step_prepare_own(LitheCtx *ctx, LthSimulation *s);
 LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperator *extra,
                                double tolerance, LthSolveReport *report);
+
+/// y = A x with contact, over free unknowns.
+void lth_step_apply_system(const LthSimulation *s, int threads, const double *x, double *y);
+
+/// Solve A solution = s->rhs from the solution given, contact as it stands, with the solver and preconditioner that are
+/// ready.
+LitheStatus lth_step_solve_linear(LitheCtx *ctx, LthSimulation *s, double tolerance,
+                                  LthSolveReport *report);
+
+/// Where some body keeps its volume: the same, with its pressures. They start from those in f0, which an assembly
+/// begins anew with.
+LitheStatus lth_step_volume_create(LitheCtx *ctx, LthSimulation *s);
+void lth_step_volume_free(LitheCtx *ctx, LthStepVolume *volume);
+void lth_step_volume_begin(LthSimulation *s);
+LitheStatus lth_step_volume_solve(LitheCtx *ctx, LthSimulation *s, double tolerance,
+                                  LthSolveReport *report);
+
+/// f += forces of the pressures in f0; of those that the last solve has added to them. Also with `own`.
+void lth_step_volume_push(const LthSimulation *s, double *f);
+void lth_step_volume_push_change(const LthSimulation *s, double *f);
 
 /// Ordering and symbolic analysis of A, once.
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s);

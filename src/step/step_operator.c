@@ -33,7 +33,8 @@ LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperato
   double reach = in_stage ? s->rigid.H : 1;
   const double *from = in_stage ? s->stage.x_hat : s->x;
   if (s->own->aim) {
-    for (LitheCount i = 0; i < s->n; i++) s->scratch[i] = from[i] + reach * s->driven[i];
+    for (LitheCount i = 0; i < s->n; i++)
+      s->scratch[i] = from[i] - s->x_rest[i] + reach * s->driven[i];
     s->own->aim(only_disc(s), s->scratch);
   }
   return s->own->solve(ctx, only_disc(s), extra, reach, s->rhs, s->solution, tolerance,

@@ -62,12 +62,15 @@ double lth_step_force_scale(LitheCtx *ctx, LthSimulation *s, double t, double he
 }
 
 /// force = f_ext - f_int in the form that small displacements u = x - X0 ask for,
-///   f_int = K u - g,   g = f0 - K X0,
+///   f_int = K u - g + pressures,   g = f0 + pressures - K X0,
 /// with a row of g left out where rounding is all that it can be: next to the size of K X0, K x - f0 would
 /// drown forces that move a body by a billionth of its length.
 static void displacement_force(LitheCtx *ctx, LthSimulation *s) {
   const LthBlockMatrix *A = s->A;
   const double *u = lth_simulation_displacement(s), *X = s->x_rest;
+  double *push = s->rhs;
+  memset(push, 0, sizeof *push * (size_t)s->n);
+  lth_step_volume_push(s, push);
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
   for (LitheIndex row = 0; row < A->n_rows; row++) {
@@ -83,8 +86,9 @@ static void displacement_force(LitheCtx *ctx, LthSimulation *s) {
           size += fabs(B[j] * X[at + j]);
         }
       }
-      double g = s->f0[first + i] - rest;
-      s->force[first + i] = s->f_ext[first + i] + (fabs(g) > ROUNDING * size ? g : 0) - sum;
+      double g = s->f0[first + i] + push[first + i] - rest;
+      if (!(fabs(g) > ROUNDING * size)) g = 0;
+      s->force[first + i] = s->f_ext[first + i] + g - sum - push[first + i];
     }
   }
 }
@@ -117,10 +121,9 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
 /// is nearer to balance. Overwrites s->base.
 double lth_step_rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
   const LthBlockMatrix *A = s->A;
-  if (s->own) { // of displacements: neighbours' entries sum up to the diagonal's
-    const double *u = lth_simulation_displacement(s);
+  if (s->own) { // neighbours' entries sum up to the diagonal's
     lth_step_diagonal(s, s->base);
-    for (LitheCount i = 0; i < s->n; i++) s->base[i] *= 2 * fabs(u[i]);
+    for (LitheCount i = 0; i < s->n; i++) s->base[i] *= 2 * fabs(s->x[i]);
     return STALLED_ROUNDING * lth_step_norm(ctx, s->n, s->base);
   }
 #pragma omp parallel for schedule(static)                                                          \
@@ -160,7 +163,7 @@ static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, boo
   if (!same) LITHE_TRY(lth_step_factor(ctx, s));
   memset(s->solution, 0, sizeof *s->solution * (size_t)s->n);
   LITHE_TRY(lth_step_solve(ctx, s, tolerance));
-  // linear bodies need no acceleration, and pressures that they keep from one solve to the next take none
+  // linear bodies need no acceleration
   if (plain && s->anderson && s->system->warped)
     lth_anderson_step(s->anderson, lth_threads(ctx), s->solution, s->x);
   else

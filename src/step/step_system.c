@@ -15,6 +15,7 @@ double lth_step_norm(const LitheCtx *ctx, LitheCount n, const double *y) {
 LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const double *at) {
   double start = lth_now();
   lth_system_update_rotations(s->system, s->x);
+  lth_step_volume_begin(s);
   LITHE_TRY(lth_system_external_force(ctx, s->system, t, s->x, s->f_ext));
   if (s->own) {
     s->cm[0] = 0;
@@ -74,12 +75,15 @@ static void apply_extra(const void *self, int threads, const double *x, double *
   lth_system_zero_held(s->system, y);
 }
 
-static void apply_system(const void *self, int threads, const double *x, double *y) {
-  const LthSimulation *s = self;
+void lth_step_apply_system(const LthSimulation *s, int threads, const double *x, double *y) {
   apply_bodies(s, threads, x, y);
   if (!s->contact_on) return;
   lth_step_contact_apply(s, x, y);
   lth_system_zero_held(s->system, y);
+}
+
+static void apply_system(const void *self, int threads, const double *x, double *y) {
+  lth_step_apply_system(self, threads, x, y);
 }
 
 /// The factor as a preconditioner; operators cannot fail, so a failure is kept until the solve is over.
@@ -122,15 +126,27 @@ void lth_step_residual(LitheCtx *ctx, LthSimulation *s, double *residual, double
   for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
 }
 
+/// y -= H times the forces by which pressures have changed: f_int at the end has them.
+static void subtract_pressures(LthSimulation *s, double *y) {
+  bool any = false;
+  for (LitheIndex b = 0; b < s->system->n_bodies; b++)
+    any |= s->system->bodies[b].disc->table->volume != NULL;
+  if (!any) return;
+  memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
+  lth_step_volume_push_change(s, s->rhs);
+  for (LitheCount i = 0; i < s->n; i++) y[i] -= s->stage.H * s->rhs[i];
+}
+
 void lth_step_defect(LitheCtx *ctx, LthSimulation *s, double *y) {
   if (s->system->has_held) lth_system_zero_held(s->system, s->solution);
   apply_bodies(s, lth_threads(ctx), s->solution, y);
   for (LitheCount i = 0; i < s->n; i++) y[i] = s->base[i] - y[i];
+  subtract_pressures(s, y);
   for (LitheCount i = 0; s->system->has_held && i < s->n; i++) s->solution[i] += s->driven[i];
 }
 
-static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s, double tolerance,
-                              LthSolveReport *report) {
+LitheStatus lth_step_solve_linear(LitheCtx *ctx, LthSimulation *s, double tolerance,
+                                  LthSolveReport *report) {
   LitheStatus status = LITHE_OK;
   bool is_blocks = !s->contact_on && !(s->rigid.H > 0 && s->rigid.spares);
   if (s->own) {
@@ -168,7 +184,10 @@ static LitheStatus solve_pass(LitheCtx *ctx, LthSimulation *s, double tolerance,
   if (s->contact_on) LITHE_TRY(lth_step_refresh(ctx, s));
   lth_system_zero_held(s->system, s->solution);
   LthSolveReport r;
-  LITHE_TRY(solve_once(ctx, s, tolerance, &r));
+  if (s->volume)
+    LITHE_TRY(lth_step_volume_solve(ctx, s, tolerance, &r));
+  else
+    LITHE_TRY(lth_step_solve_linear(ctx, s, tolerance, &r));
   add_driven(s);
   s->report.linear_iterations += r.iterations;
   s->report.linear_total += r.iterations;

@@ -36,7 +36,6 @@ static LitheStatus allocate(LitheCtx *ctx, const LthStaggered *s, LthMixedState 
 static LitheStatus prepare(LitheCtx *ctx, LthDisc *disc, double cm, double ck) {
   LthStaggered *s = lth_staggered_of(disc);
   LthMixedState *m = s->mixed;
-  m->is_solved = true;
   m->ck = ck;
   if (m->grid && m->inertia == cm / ck) return LITHE_OK;
   if (m->grid && (cm == 0 || m->grid->level[0].mass[0])) {
@@ -50,12 +49,12 @@ static LitheStatus prepare(LitheCtx *ctx, LthDisc *disc, double cm, double ck) {
   return LITHE_OK;
 }
 
-static void aim(LthDisc *disc, const double *x) {
+static void aim(LthDisc *disc, const double *u) {
   const LthStaggered *s = lth_staggered_const(disc);
   if (!s->mixed->pressure) return;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(s->ctx))
   for (LitheIndex i = 0; i < disc->n_cells; i++)
-    s->mixed->target[s->cell_slot[i]] = lth_mixed_trace(s, s->cell_slot[i], x);
+    s->mixed->target[s->cell_slot[i]] = lth_mixed_trace(s, s->cell_slot[i], u);
 }
 
 /// Unknowns of the body to those of the level; 0 where they are not free.

@@ -1,38 +1,15 @@
 /// Pressures at nu = 0.5 as a state of the body: multipliers of an augmented Lagrangian (Hestenes 1969, Powell 1969).
 ///
 /// In cells of nu = 0.5 the internal force is that of lambda = LTH_PENALTY mu and of a pressure p that is kept,
-///   f_int(x) = K x - f0,  f0 = K rest - B^T p,
-/// and p moves with the solutions: by solves of the mixed form to what they find, else by p += lambda tr e at each
-/// linearisation. Where tr e = 0 both are in balance with the same p.
+///   f_int(x) = K x - f0,  f0 = K rest - C^T W p,
+/// and p moves to what solutions find, which make tr e = 0: those of the mixed form, or of the matrix with pressures
+/// as further unknowns (LthDiscVolume).
 #include "disc/staggered/staggered_mixed_state.h"
 
 #include <string.h>
 
 static bool is_stiff(const LthStaggered *s, LitheCount slot) {
   return s->level.volume[slot] > 0 && s->level.compliance[slot] == 0;
-}
-
-LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s) {
-  LitheCount n = 0;
-  if (s->formulation != LTH_FORM_MIXED) return LITHE_OK;
-  for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) n += is_stiff(s, slot);
-  LTH_NEW(ctx, s->mixed, 1);
-  LthMixedState *m = s->mixed;
-  if (n == 0) return LITHE_OK;
-  LTH_NEW(ctx, m->pressure, s->grid->n_slots);
-  LTH_NEW(ctx, m->latest, s->grid->n_slots);
-  LTH_NEW(ctx, m->trace, s->grid->n_slots);
-  return LITHE_OK;
-}
-
-void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s) {
-  LthMixedState *m = s->mixed;
-  if (!m) return;
-  lth_free(ctx, m->pressure);
-  lth_free(ctx, m->latest);
-  lth_free(ctx, m->trace);
-  lth_free(ctx, m);
-  s->mixed = NULL;
 }
 
 /// Slots of the high faces of a cell.
@@ -43,65 +20,119 @@ static void high_faces(const LthStaggered *s, LitheCount slot, LitheCount high[3
   }
 }
 
-double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *x) {
+double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *u) {
   LitheCount high[3];
   double sum = 0;
   high_faces(s, slot, high);
   for (int a = 0; a < s->dim; a++)
-    sum += (x[3 * (LitheCount)s->func[high[a]] + a] - x[3 * (LitheCount)s->func[slot] + a]) /
-               s->grid->h[a] -
-           1;
+    sum += (u[3 * (LitheCount)s->func[high[a]] + a] - u[3 * (LitheCount)s->func[slot] + a]) /
+           s->grid->h[a];
   return sum;
 }
 
-/// p += lambda tr e, once for each state: to linearise twice at one place changes nothing.
-static void update_multipliers(const LthStaggered *s, LthMixedState *m, const double *x) {
-  bool moved = false;
-  for (LitheCount i = 0; i < s->disc.n_cells; i++) {
-    const LitheCount slot = s->cell_slot[i];
-    if (!is_stiff(s, slot)) continue;
-    double trace = lth_mixed_trace(s, slot, x);
-    moved |= trace != m->trace[slot];
-    m->trace[slot] = trace;
+/// f += C^T W q of one cell.
+static void push_faces(const LthStaggered *s, LitheCount slot, double q, double *f) {
+  const double volume = lth_sparse_grid_cell_volume(s->grid) * s->level.volume[slot];
+  LitheCount high[3];
+  high_faces(s, slot, high);
+  for (int a = 0; a < s->dim; a++) {
+    double push = volume * q / s->grid->h[a];
+    f[3 * (LitheCount)s->func[slot] + a] -= push;
+    f[3 * (LitheCount)s->func[high[a]] + a] += push;
   }
-  for (LitheCount slot = 0; moved && slot < s->grid->n_slots; slot++)
-    if (is_stiff(s, slot))
-      m->latest[slot] =
-          m->pressure[slot] + s->level.lambda[slot] / s->level.volume[slot] * m->trace[slot];
 }
 
-void lth_mixed_state_linearise(LthStaggered *s, const double *x) {
+static LitheCount count(const LthDisc *disc) { return lth_staggered_const(disc)->mixed->n_stiff; }
+
+static void scales(const LthDisc *disc, double *volume, double *lambda) {
+  const LthStaggered *s = lth_staggered_const(disc);
+  for (LitheIndex i = 0; i < s->mixed->n_stiff; i++) {
+    const LitheIndex slot = s->mixed->stiff[i];
+    volume[i] = lth_sparse_grid_cell_volume(s->grid) * s->level.volume[slot];
+    lambda[i] = s->level.lambda[slot] / s->level.volume[slot];
+  }
+}
+
+static void strain(const LthDisc *disc, int threads, const double *u, double *c) {
+  const LthStaggered *s = lth_staggered_const(disc);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheIndex i = 0; i < s->mixed->n_stiff; i++)
+    c[i] = lth_mixed_trace(s, s->mixed->stiff[i], u);
+}
+
+static void push(const LthDisc *disc, const double *q, double *f) {
+  const LthStaggered *s = lth_staggered_const(disc);
+  const LthMixedState *m = s->mixed;
+  for (LitheIndex i = 0; i < m->n_stiff; i++)
+    push_faces(s, m->stiff[i], q ? q[i] : m->pressure[m->stiff[i]], f);
+}
+
+static void push_change(const LthDisc *disc, double *f) {
+  const LthStaggered *s = lth_staggered_const(disc);
+  const LthMixedState *m = s->mixed;
+  for (LitheIndex i = 0; i < m->n_stiff; i++) {
+    const LitheIndex slot = m->stiff[i];
+    push_faces(s, slot, m->latest[slot] - m->pressure[slot], f);
+  }
+}
+
+static void keep(LthDisc *disc, const double *q) {
+  LthMixedState *m = lth_staggered_of(disc)->mixed;
+  for (LitheIndex i = 0; i < m->n_stiff; i++)
+    m->latest[m->stiff[i]] = m->pressure[m->stiff[i]] + q[i];
+}
+
+static const LthDiscVolume volume = {.count = count,
+                                     .scales = scales,
+                                     .strain = strain,
+                                     .push = push,
+                                     .push_change = push_change,
+                                     .keep = keep};
+
+LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s) {
+  LitheIndex n = 0;
+  if (s->formulation != LTH_FORM_MIXED) return LITHE_OK;
+  for (LitheIndex i = 0; i < s->disc.n_cells; i++) n += is_stiff(s, s->cell_slot[i]);
+  LTH_NEW(ctx, s->mixed, 1);
   LthMixedState *m = s->mixed;
-  if (!x || !m || !m->pressure) return;
-  if (!m->is_solved) update_multipliers(s, m, x);
-  memcpy(m->pressure, m->latest, sizeof *m->pressure * (size_t)s->grid->n_slots);
+  if (n == 0) return LITHE_OK;
+  LTH_NEW(ctx, m->pressure, s->grid->n_slots);
+  LTH_NEW(ctx, m->latest, s->grid->n_slots);
+  LTH_NEW(ctx, m->stiff, n);
+  for (LitheIndex i = 0; i < s->disc.n_cells; i++)
+    if (is_stiff(s, s->cell_slot[i])) m->stiff[m->n_stiff++] = (LitheIndex)s->cell_slot[i];
+  s->table.volume = &volume;
+  return LITHE_OK;
+}
+
+void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s) {
+  LthMixedState *m = s->mixed;
+  if (!m) return;
+  lth_free(ctx, m->pressure);
+  lth_free(ctx, m->latest);
+  lth_free(ctx, m->stiff);
+  lth_free(ctx, m);
+  s->mixed = NULL;
+}
+
+void lth_mixed_state_linearise(LthStaggered *s) {
+  LthMixedState *m = s->mixed;
+  if (m && m->pressure)
+    memcpy(m->pressure, m->latest, sizeof *m->pressure * (size_t)s->grid->n_slots);
 }
 
 void lth_mixed_add_force(const LthStaggered *s, double c, double *f) {
   const LthMixedState *m = s->mixed;
-  if (!m || !m->pressure) return;
-  const double volume = lth_sparse_grid_cell_volume(s->grid);
-  for (LitheCount i = 0; i < s->disc.n_cells; i++) {
-    const LitheCount slot = s->cell_slot[i];
-    LitheCount high[3];
-    if (!is_stiff(s, slot)) continue;
-    high_faces(s, slot, high);
-    for (int a = 0; a < s->dim; a++) {
-      double push = c * volume * s->level.volume[slot] * m->pressure[slot] / s->grid->h[a];
-      f[3 * (LitheCount)s->func[slot] + a] -= push;
-      f[3 * (LitheCount)s->func[high[a]] + a] += push;
-    }
-  }
+  for (LitheIndex i = 0; m && i < m->n_stiff; i++)
+    push_faces(s, m->stiff[i], c * m->pressure[m->stiff[i]], f);
 }
 
 double lth_mixed_energy(const LthStaggered *s, const double *x) {
   const LthMixedState *m = s->mixed;
   double sum = 0;
-  if (!m || !m->pressure) return 0;
-  for (LitheCount i = 0; i < s->disc.n_cells; i++) {
-    const LitheCount slot = s->cell_slot[i];
-    if (is_stiff(s, slot))
-      sum += s->level.volume[slot] * m->latest[slot] * lth_mixed_trace(s, slot, x);
+  for (LitheIndex i = 0; m && i < m->n_stiff; i++) {
+    const LitheIndex slot = m->stiff[i];
+    sum += s->level.volume[slot] * m->latest[slot] * (lth_mixed_trace(s, slot, x) - s->dim);
   }
   return sum * lth_sparse_grid_cell_volume(s->grid);
 }
@@ -115,8 +146,6 @@ void lth_mixed_state_archive(LthDisc *disc, LthArchive *a) {
   LthMixedState *m = s->mixed;
   if (!m || !m->pressure) return;
   lth_archive_mark(a, "pressures");
-  LTH_ARCHIVE(a, m->is_solved);
   LTH_ARCHIVE_ARRAY(a, m->pressure, s->grid->n_slots);
   LTH_ARCHIVE_ARRAY(a, m->latest, s->grid->n_slots);
-  LTH_ARCHIVE_ARRAY(a, m->trace, s->grid->n_slots);
 }

@@ -5,10 +5,10 @@
 #include "disc/staggered/staggered_priv.h"
 
 struct LthMixedState {
-  double *pressure; ///< in the internal force [Pa]; NULL: nu is below 0.5 everywhere    (n_slots)
-  double *latest;   ///< as solved last: in force from the next linearisation on         (n_slots)
-  double *trace;    ///< tr e at the last one                                            (n_slots)
-  bool is_solved;   ///< solves of the mixed form move them
+  double *pressure;  ///< in the internal force [Pa]; NULL: nu is below 0.5 everywhere    (n_slots)
+  double *latest;    ///< as solved last: in force from the next linearisation on         (n_slots)
+  LitheIndex *stiff; ///< slots of cells with nu = 0.5                                   (n_stiff)
+  LitheIndex n_stiff;
 
   const LthDiscSolver *base; ///< of the displacement form: products with K
   LthMixedGrid *grid;        ///< once prepared, for M inertia + K
@@ -18,5 +18,5 @@ struct LthMixedState {
   double *from, *to; ///< scratch                                         (n_dofs)
 };
 
-/// tr e of a live cell at positions x.
-double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *x);
+/// tr e of a live cell from displacements u.
+double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *u);

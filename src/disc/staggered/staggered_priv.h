@@ -133,9 +133,9 @@ LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const Lth
 LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s);
 void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s);
 void lth_mixed_state_archive(LthDisc *disc, LthArchive *archive);
-/// Pressures as they belong to positions x (NULL: they stay).
-void lth_mixed_state_linearise(LthStaggered *s, const double *x);
-/// f += c B^T p over cells of nu = 0.5 [N].
+/// Pressures as solved last come into force.
+void lth_mixed_state_linearise(LthStaggered *s);
+/// f += c C^T W p over cells of nu = 0.5 [N].
 void lth_mixed_add_force(const LthStaggered *s, double c, double *f);
 /// Sum of |cell| V p tr e there [J].
 double lth_mixed_energy(const LthStaggered *s, const double *x);
