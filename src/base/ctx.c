@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 
 #define LTH_MESSAGE_MAX 4096
@@ -59,8 +60,18 @@ const char *lithe_version(void) {
       LITHE_VERSION_PATCH);
 }
 
+#define HUGE_PAGE ((size_t)1 << 21)
+
+// Large blocks ask for large pages: loops over grids touch many places at once, and each would miss a translation.
 static void *default_allocate(void *user, size_t alignment, size_t bytes) {
   (void)user;
+#ifdef MADV_HUGEPAGE
+  if (bytes >= 2 * HUGE_PAGE) {
+    void *block = aligned_alloc(HUGE_PAGE, (bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE);
+    if (block) (void)madvise(block, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+    return block;
+  }
+#endif
   return aligned_alloc(alignment, bytes);
 }
 

@@ -30,6 +30,11 @@
 static const float no_values_f[BLOCK];
 static const double no_values_d[BLOCK];
 
+/// Block that comes two later in memory: the next one is read by this one's margin.
+ALWAYS LitheIndex block_ahead(const LthSparseGrid *g, LitheIndex block) {
+  return block + 2 < g->n_blocks ? block + 2 : block;
+}
+
 ALWAYS float *block_of(LthFastVector v, LitheIndex block) { return v.at + block * v.stride; }
 
 /// Sum of lanes in fixed order.
@@ -44,7 +49,8 @@ ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[DIM][CELL
   _Alignas(64) float u[DIM][PADDED];
   const float *near[N_NEAR];
   find_near_f(L->grid, block, L->x.at, L->x.stride, no_values_f, near);
-  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, u[a]);
+  const LitheIndex next = block_ahead(L->grid, block);
+  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, block_of(L->x, next), u[a]);
   const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
     const float *c = L->constant + 3 * (LitheCount)block;
@@ -141,11 +147,11 @@ static void residual(const LthFastLevel *L, LitheIndex block) {
   _Alignas(64) float Ax[DIM][CELLS];
   fast_rows(L, block, Ax);
   const float *b = block_of(L->b, block), *scale = scale_of(L, block), *A = Ax[0];
+  const float same = L->same_scale[block];
   float *y = block_of(L->y, block);
   for (int at = 0; at < BLOCK; at += SIDE) {
     Lane_f r = load_f(b + at) - load_f(A + at);
-    if (scale) r *= load_f(scale + at);
-    store_f(y + at, r);
+    store_f(y + at, scale ? r * load_f(scale + at) : r * same);
   }
 }
 
@@ -153,10 +159,8 @@ LTH_CLONES
 static void weigh(const LthFastLevel *L, LitheIndex block) {
   const float *b = block_of(L->b, block), *scale = scale_of(L, block);
   float *y = block_of(L->y, block);
-  if (scale)
-    for (int i = 0; i < BLOCK; i++) y[i] = scale[i] * b[i];
-  else
-    memcpy(y, b, sizeof *y * BLOCK);
+  const float same = L->same_scale[block];
+  for (int i = 0; i < BLOCK; i++) y[i] = (scale ? scale[i] : same) * b[i];
 }
 
 /// Double coefficients of a general block, with margins.
@@ -170,9 +174,10 @@ ALWAYS void pad_samples(const LthFastLevel *L, LitheIndex block, Padded *P, Samp
   const double *const from[5] = {l->lambda, l->mu, l->shear[2], l->shear[0], l->shear[1]};
   double *const to[5] = {P->lambda, P->mu, P->shear[0], DIM == 3 ? P->shear[DIM - 2] : NULL,
                          DIM == 3 ? P->shear[DIM - 1] : NULL};
+  const LitheIndex next = block_ahead(L->grid, block);
   for (int i = 0; i < (DIM == 3 ? 5 : 3); i++) {
     find_near_d(L->grid, block, from[i], CELLS, no_values_d, near);
-    pad_d(near, 0, to[i]);
+    pad_d(near, 0, from[i] + (LitheCount)next * CELLS, to[i]);
   }
   *c = (Samples_d){.lambda = P->lambda,
                    .mu = P->mu,
@@ -208,7 +213,12 @@ static double apply(const LthFastLevel *L, LitheIndex block, double cm, double c
   double volume = lth_sparse_grid_cell_volume(L->grid);
   double stiff = ck * volume / (L->grid->h[0] * L->grid->h[0]), inert = cm * volume;
   find_near_d(L->grid, block, values, BLOCK, no_values_d, near);
-  for (int a = 0; a < DIM; a++) pad_d(near, a * CELLS, u[a]);
+  const LitheIndex next = block_ahead(L->grid, block);
+  for (int a = 0; a < DIM; a++) {
+    pad_d(near, a * CELLS, values + (LitheCount)next * BLOCK, u[a]);
+    for (int i = 0; i < CELLS; i += SIDE)
+      fetch_d(result + (LitheCount)next * BLOCK + a * CELLS + i, 1);
+  }
   LitheCount first = (LitheCount)block * CELLS;
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
     uniform_rows_d(u, stiff * l->lambda[first], stiff * l->mu[first], inert * l->mass[0][first],
@@ -303,12 +313,12 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
   _Alignas(64) float c[DIM][PADDED], out[CELLS];
   const float *near[N_NEAR];
   find_near_f(coarse->grid, block, coarse->x.at, coarse->x.stride, no_values_f, near);
-  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, c[a]);
+  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, block_of(coarse->x, block), c[a]);
   if (coarse->pull) {
     find_near_f(coarse->grid, block, coarse->pull, BLOCK, no_values_f, near);
     for (int a = 0; a < DIM; a++) {
       _Alignas(64) float pull[PADDED];
-      pad_f(near, a * CELLS, pull);
+      pad_f(near, a * CELLS, coarse->pull, pull);
       for (int i = 0; i < PADDED; i++) c[a][i] *= pull[i];
     }
   }
@@ -318,12 +328,11 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
     child_of(coarse->grid, block, child, place, offset);
     LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
     if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
-    const float *scale = scale_of(fine, to);
+    const float *scale = scale_of(fine, to), same = fine->same_scale[to];
     for (int a = 0; a < DIM; a++) {
       float *restrict x = block_of(fine->x, to) + a * CELLS;
       interpolate(c[a], a, offset, out);
-      if (scale)
-        for (int i = 0; i < CELLS; i++) out[i] *= scale[a * CELLS + i];
+      for (int i = 0; i < CELLS; i++) out[i] *= scale ? scale[a * CELLS + i] : same;
       if (add)
         for (int i = 0; i < CELLS; i++) x[i] += out[i];
       else
@@ -344,16 +353,16 @@ ALWAYS void collect(const float *f, int a, float *restrict out) {
   for (int K = 0; K < DEEP_HALF; K++)
     for (int j = -1; j <= SIDE; j++)
       for (int i = -1; i <= SIDE; i++)
-        z[K][j + 1][i + 2] =
+        z[K][j + 1][i + PAD_LEFT] =
             DIM == 3 ? gather4(f + AT(i, j, 2 * K), STEP_Z, a == 2) : f[AT(i, j, 0)];
   for (int K = 0; K < DEEP_HALF; K++)
     for (int J = 0; J < HALF; J++)
       for (int i = -1; i <= SIDE; i++)
-        yz[K][J][i + 2] = gather4(&z[K][2 * J + 1][i + 2], PAD_X, a == 1);
+        yz[K][J][i + PAD_LEFT] = gather4(&z[K][2 * J + 1][i + PAD_LEFT], PAD_X, a == 1);
   for (int K = 0; K < DEEP_HALF; K++)
     for (int J = 0; J < HALF; J++)
       for (int I = 0; I < HALF; I++)
-        out[(K * SIDE + J) * SIDE + I] = gather4(&yz[K][J][2 * I + 2], 1, a == 0);
+        out[(K * SIDE + J) * SIDE + I] = gather4(&yz[K][J][2 * I + PAD_LEFT], 1, a == 0);
 }
 
 LTH_CLONES
@@ -369,7 +378,7 @@ static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, Li
     if (!find_near_place(fine->grid, place, fine->y, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
     for (int a = 0; a < DIM; a++) {
-      pad_f(near, a * CELLS, f);
+      pad_f(near, a * CELLS, near[N_NEAR / 2], f);
       collect(f, a, b + a * CELLS + first);
     }
   }

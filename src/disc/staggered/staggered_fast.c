@@ -2,6 +2,7 @@
 #include "disc/staggered/staggered_fast.h"
 #include "disc/staggered/staggered_slot.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -53,6 +54,7 @@ static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
   LTH_NEW(ctx, L->kind, n);
   LTH_NEW(ctx, L->number, n);
   LTH_NEW(ctx, L->scaled, n);
+  LTH_NEW(ctx, L->same_scale, n);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < n; b++) L->kind[b] = (uint8_t)kind_of(L->level, b);
   for (LitheIndex b = 0; b < n; b++) L->n_active += L->kind[b] != LTH_BLOCK_EMPTY;
@@ -61,6 +63,7 @@ static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
   for (LitheIndex b = 0; b < n; b++) {
     L->number[b] = L->kind[b] == LTH_BLOCK_GENERAL ? L->n_general++ : -1;
     L->scaled[b] = -1;
+    L->same_scale[b] = 1;
     if (L->kind[b] != LTH_BLOCK_EMPTY) L->active[at++] = b;
   }
   return LITHE_OK;
@@ -104,6 +107,7 @@ void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
   lth_free(ctx, L->inertia);
   lth_free(ctx, L->inverse);
   lth_free(ctx, L->scaled);
+  lth_free(ctx, L->same_scale);
   lth_free(ctx, L->scale);
   lth_free(ctx, L->pull);
   *L = (LthFastLevel){0};
@@ -230,13 +234,17 @@ static LitheStatus keep_pull(LitheCtx *ctx, LthFastLevel *L) {
   return LITHE_OK;
 }
 
-/// Turn sums of weights in x into scales; true where all are 1.
-static bool weights_are_one(const LthFastLevel *L, LitheIndex block) {
+/// Inverse of the sums of weights in x where they are the same for all unknowns, and these free; else 0. Sums of equal
+/// weights differ by rounding, which single precision does not tell from what it does itself.
+static float same_scale(const LthFastLevel *L, LitheIndex block) {
   LitheCount n = L->grid->block_cells;
   const float *sum = L->x.at + block * L->x.stride;
+  if (!(sum[0] > 0)) return 0;
   for (LitheCount i = 0; i < L->grid->dim * n; i++)
-    if (sum[i] != 1 || L->level->state[i / n][block * n + i % n] != LTH_UNKNOWN_FREE) return false;
-  return true;
+    if (fabsf(sum[i] - sum[0]) > 4 * FLT_EPSILON * sum[0] ||
+        L->level->state[i / n][block * n + i % n] != LTH_UNKNOWN_FREE)
+      return 0;
+  return 1 / sum[0];
 }
 
 static void set_scale(LthFastLevel *L, LitheIndex block) {
@@ -257,7 +265,9 @@ LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *co
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, false);
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex b = L->active[i];
-    L->scaled[b] = weights_are_one(L, b) ? -1 : L->n_scaled++;
+    float same = same_scale(L, b);
+    L->scaled[b] = same > 0 ? -1 : L->n_scaled++;
+    L->same_scale[b] = same > 0 ? same : 1;
   }
   if (unit > 0) LITHE_TRY(keep_pull(ctx, coarse));
   LTH_NEW(ctx, L->scale, (LitheCount)L->n_scaled * L->grid->dim * L->grid->block_cells);
@@ -283,5 +293,5 @@ LitheCount lth_fast_level_bytes(const LthFastLevel *L) {
   LitheCount values =
       3 * n + (LitheCount)L->n_general * L->n_sample +
       ((LitheCount)L->n_general * (L->inertia ? 2 : 1) + L->n_scaled + (L->pull ? n : 0)) * block;
-  return 4 * values + 9 * n + 4 * (LitheCount)L->n_active;
+  return 4 * values + 17 * n + 4 * (LitheCount)L->n_active;
 }

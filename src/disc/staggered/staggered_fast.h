@@ -36,8 +36,9 @@ typedef struct LthFastLevel {
       *inverse; ///< of the diagonal, 0 where not free               (n_general x dim x block_cells)
   LitheIndex *scaled; ///< number of a block among those with `scale`, else -1     (n_blocks)
   LitheIndex n_scaled;
-  float *pull;  ///< weight of unknowns in interpolation to a finer level, NULL: all alike
-                ///<                                           (n_blocks x dim x block_cells)
+  float *same_scale; ///< of all interpolated values of the other blocks    (n_blocks)
+  float *pull;       ///< weight of unknowns in interpolation to a finer level, NULL: all alike
+                     ///<                                           (n_blocks x dim x block_cells)
   float *scale; ///< of interpolated values: 1 / sum of the weights that count, 0 where not free
                 ///<                                                 (n_scaled x dim x block_cells)
   LthFastVector x, y, b; ///< iterate, the one before, right-hand side

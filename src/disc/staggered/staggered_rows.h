@@ -7,7 +7,7 @@
 #define SIDE LTH_BLOCK_SIDE_3D
 #define DEEP LTH_BLOCK_SIDE_3D
 #define PAD_Z (DEEP + 2)
-#define AT(i, j, k) (((k) + 1) * (SIDE + 2) * PAD_X + ((j) + 1) * PAD_X + (i) + 2)
+#define AT(i, j, k) (((k) + 1) * (SIDE + 2) * PAD_X + ((j) + 1) * PAD_X + (i) + PAD_LEFT)
 #define STEP_Z ((SIDE + 2) * PAD_X)
 #define FIRST_K (-1)
 #define N_NEAR 27
@@ -15,12 +15,13 @@
 #define SIDE LTH_BLOCK_SIDE_2D
 #define DEEP 1
 #define PAD_Z 1
-#define AT(i, j, k) (((j) + 1) * PAD_X + (i) + 2)
+#define AT(i, j, k) (((j) + 1) * PAD_X + (i) + PAD_LEFT)
 #define STEP_Z 0
 #define FIRST_K 0
 #define N_NEAR 9
 #endif
-#define PAD_X (SIDE + 4)
+#define PAD_LEFT 8 // rows start at a multiple of a register, so that most loads cross no cache line
+#define PAD_X (SIDE + 16)
 #define STEP_Y PAD_X
 #define PADDED (PAD_X * (SIDE + 2) * PAD_Z)
 #define CELLS (SIDE * SIDE * DEEP)
@@ -40,24 +41,40 @@ ALWAYS void N(find_near)(const LthSparseGrid *g, LitheIndex block, const REAL *v
   for (int i = 0; i < N_NEAR; i++) near[i] = to[i] < 0 ? zeros : values + to[i] * stride;
 }
 
+/// Fetch what stands `ahead` of a block's own values: caches do not guess where the next block begins.
+ALWAYS void N(fetch)(const REAL *ahead, int write) {
+  for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL)) {
+    if (write)
+      __builtin_prefetch(ahead + i, 1, 2);
+    else
+      __builtin_prefetch(ahead + i, 0, 2);
+  }
+}
+
 /// Copy `rows` rows of a block, and a value to either side of each.
-ALWAYS void N(pad_rows)(const REAL *const side[3], LitheCount at, int rows, REAL *to) {
+ALWAYS void N(pad_rows)(const REAL *const side[3], LitheCount at, int rows, const REAL *ahead,
+                        REAL *to) {
   const REAL *left = side[0] + at + SIDE - 1, *here = side[1] + at, *right = side[2] + at;
   for (int j = 0; j < rows; j++, left += SIDE, here += SIDE, right += SIDE, to += PAD_X) {
     to[-1] = *left;
     for (int i = 0; i < SIDE; i += LANES) N(store)(to + i, N(load)(here + i));
     to[SIDE] = *right;
+    if (ahead) N(fetch)(ahead + j * SIDE, 0);
   }
 }
 
-/// Copy a block with its margin; `skip`: values before those of the component.
-ALWAYS void N(pad)(const REAL *const near[N_NEAR], LitheCount skip, REAL *padded) {
+/// Copy a block with its margin; `skip`: values before those of the component. Those of the block `ahead` are fetched.
+ALWAYS void N(pad)(const REAL *const near[N_NEAR], LitheCount skip, const REAL *ahead,
+                   REAL *padded) {
+  ahead += skip;
   for (int k = FIRST_K; k < DEEP - FIRST_K; k++) {
     const REAL *const *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
     LitheCount at = skip + (k & (DEEP - 1)) * SIDE * SIDE;
-    N(pad_rows)(plane, at + (SIDE - 1) * SIDE, 1, padded + AT(0, -1, k));
-    N(pad_rows)(plane + 3, at, SIDE, padded + AT(0, 0, k));
-    N(pad_rows)(plane + 6, at, 1, padded + AT(0, SIDE, k));
+    N(pad_rows)(plane, at + (SIDE - 1) * SIDE, 1, NULL, padded + AT(0, -1, k));
+    N(pad_rows)
+    (plane + 3, at, SIDE, k >= 0 && k < DEEP ? ahead + k * SIDE * SIDE : NULL,
+     padded + AT(0, 0, k));
+    N(pad_rows)(plane + 6, at, 1, NULL, padded + AT(0, SIDE, k));
   }
 }
 

@@ -153,9 +153,12 @@ static void check_level(Fixture *F, int l, double cm, double ck) {
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex block = L->active[i];
     LitheIndex hide = L->scaled[block];
+    float same = L->same_scale[block];
     L->scaled[block] = -1;
+    L->same_scale[block] = 1;
     k->residual(L, block);
     L->scaled[block] = hide;
+    L->same_scale[block] = same;
     LitheCount n = L->grid->block_cells;
     for (LitheCount s = block * n; s < (block + 1) * n; s++)
       for (int a = 0; a < L->grid->dim; a++)
