@@ -6,8 +6,7 @@
 /// Up to this many faces, waking threads costs more than it saves.
 #define SERIAL 4096
 
-/// Twice the area vector of a face, summed about its first point.
-static void area_vector(const LthFaceView *face, double n[3]) {
+void lth_mesh_area_vector(const LthFaceView *face, double n[3]) {
   const double *o = face->points + 3 * face->loop_point[face->loop_off[0]];
   n[0] = n[1] = n[2] = 0;
   LitheIndex t[3];
@@ -44,7 +43,7 @@ LitheStatus lth_mesh_measure_faces(LitheCtx *ctx, LthMesh *m) {
   for (LitheIndex f = 0; f < m->n_faces; f++) {
     LthFaceView face = lth_mesh_face(m, f);
     double *n = m->face_normal + 3 * f, moment[3];
-    area_vector(&face, n);
+    lth_mesh_area_vector(&face, n);
     double twice = lth_v3_normalize(n);
     m->face_area[f] = twice / 2;
     area_moment(&face, n, moment);
@@ -73,9 +72,8 @@ static void cell_bounds(const LthMesh *m, LitheIndex c, double box[6]) {
   }
 }
 
-/// Add six times the volume and 24 times the first moment about o of the cone from o over a face.
-static void add_cone(const LthFaceView *face, double sign, const double o[3], double *volume,
-                     double moment[3]) {
+void lth_mesh_add_cone(const LthFaceView *face, double sign, const double o[3], double *volume,
+                       double moment[3]) {
   double p[3];
   lth_v3_sub(face->points + 3 * face->loop_point[face->loop_off[0]], o, p);
   for (LitheIndex l = 0; l < face->n_loops; l++) {
@@ -104,7 +102,7 @@ LitheStatus lth_mesh_measure_cells(LitheCtx *ctx, LthMesh *m) {
     for (int i = 0; i < 3; i++) x[i] = box[i] + 0.5 * (box[3 + i] - box[i]);
     for (LitheIndex k = m->cell_face_off[c]; k < m->cell_face_off[c + 1]; k++) {
       LthFaceView face = lth_mesh_face(m, m->cell_face[k]);
-      add_cone(&face, lth_mesh_side(m, m->cell_face[k], c), x, &volume, moment);
+      lth_mesh_add_cone(&face, lth_mesh_side(m, m->cell_face[k], c), x, &volume, moment);
     }
     m->cell_volume[c] = volume / 6;
     if (volume > 0) lth_v3_axpy(1 / (4 * volume), moment, x);

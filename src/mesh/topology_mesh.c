@@ -1,0 +1,120 @@
+/// Cells of a topology as an immutable mesh.
+#include "mesh/topology_priv.h"
+
+/// A mesh in the making.
+typedef struct Packing {
+  LthTopology *t;
+  LitheIndex n_cells, n_faces, n_points;
+  LitheIndex *cell_of, *point_of; ///< of records: number in the mesh, -1
+  LitheIndex *cell_record, *face_record;
+  LitheIndex *face_loop_off, *loop_off, *loop_point, *face_cell, *face_tag;
+  double *points;
+  uint8_t *rank;
+  LitheCount face_cap, face_loop_cap, loop_off_cap, loop_point_cap, face_cell_cap, face_tag_cap;
+  LitheIndex n_loops, n_corners;
+} Packing;
+
+static LitheStatus list_cells(LitheCtx *ctx, Packing *p, LitheIndex n, const LitheIndex *cells) {
+  const LthTopology *t = p->t;
+  LTH_NEW(ctx, p->cell_record, cells ? n : t->n_live_cells);
+  LTH_NEW(ctx, p->cell_of, t->n_cells);
+  for (LitheIndex i = 0; i < t->n_cells; i++) p->cell_of[i] = -1;
+  for (LitheIndex i = 0; i < (cells ? n : t->n_cells); i++) {
+    LitheIndex cell = cells ? cells[i] : i;
+    if (!t->cells[cell].is_live || p->cell_of[cell] >= 0) continue;
+    p->cell_of[cell] = p->n_cells;
+    p->cell_record[p->n_cells++] = cell;
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus add_face(LitheCtx *ctx, Packing *p, LitheIndex face) {
+  const LthTopologyFace *f = p->t->faces + face;
+  LitheIndex a = p->cell_of[f->cell[0]], b = f->cell[1] >= 0 ? p->cell_of[f->cell[1]] : -1;
+  bool is_turned = a < 0 || (b >= 0 && b < a);
+  LthFaceView view = lth_topology_face(p->t, face);
+  LTH_RESERVE(ctx, p->face_record, p->face_cap, (LitheCount)p->n_faces + 1);
+  LTH_RESERVE(ctx, p->face_cell, p->face_cell_cap, 2 * ((LitheCount)p->n_faces + 1));
+  LTH_RESERVE(ctx, p->face_tag, p->face_tag_cap, (LitheCount)p->n_faces + 1);
+  LTH_RESERVE(ctx, p->face_loop_off, p->face_loop_cap, (LitheCount)p->n_faces + 2);
+  LTH_RESERVE(ctx, p->loop_off, p->loop_off_cap, (LitheCount)p->n_loops + view.n_loops + 1);
+  LTH_RESERVE(ctx, p->loop_point, p->loop_point_cap, (LitheCount)p->n_corners + f->n_corners);
+  for (LitheIndex l = 0; l < view.n_loops; l++) {
+    LitheIndex first = view.loop_off[l], size = view.loop_off[l + 1] - first;
+    for (LitheIndex i = 0; i < size; i++) {
+      LitheIndex point = view.loop_point[first + (is_turned && i > 0 ? size - i : i)];
+      if (p->point_of[point] < 0) p->point_of[point] = p->n_points++;
+      p->loop_point[p->n_corners++] = p->point_of[point];
+    }
+    p->loop_off[++p->n_loops] = p->n_corners;
+  }
+  p->face_record[p->n_faces] = face;
+  p->face_cell[2 * p->n_faces] = is_turned ? b : a;
+  p->face_cell[2 * p->n_faces + 1] = is_turned ? a : b;
+  p->face_tag[p->n_faces] = f->tag;
+  p->face_loop_off[++p->n_faces] = p->n_loops;
+  return LITHE_OK;
+}
+
+static LitheStatus list_faces(LitheCtx *ctx, Packing *p, bool all) {
+  LthTopology *t = p->t;
+  LTH_NEW(ctx, p->point_of, t->n_points);
+  for (LitheIndex i = 0; i < t->n_points; i++) p->point_of[i] = -1;
+  if (all)
+    for (; p->n_points < t->n_surface_points; p->n_points++) p->point_of[p->n_points] = p->n_points;
+  LTH_RESERVE(ctx, p->face_loop_off, p->face_loop_cap, 1);
+  LTH_RESERVE(ctx, p->loop_off, p->loop_off_cap, 1);
+  p->face_loop_off[0] = p->loop_off[0] = 0;
+  LITHE_TRY(lth_topology_begin_visit(ctx, t));
+  for (LitheIndex c = 0; c < p->n_cells; c++)
+    for (LitheIndex i = 0; i < t->cells[p->cell_record[c]].n_faces; i++) {
+      LitheIndex face = lth_topology_cell_faces(t, p->cell_record[c])[i];
+      if (t->faces[face].is_line || !lth_topology_visit_face(t, face)) continue;
+      LITHE_TRY(add_face(ctx, p, face));
+    }
+  return LITHE_OK;
+}
+
+static LitheStatus copy_points(LitheCtx *ctx, Packing *p) {
+  LTH_NEW(ctx, p->points, 3 * (LitheCount)p->n_points);
+  LTH_NEW(ctx, p->rank, p->n_points);
+  for (LitheIndex i = 0; i < p->t->n_points; i++) {
+    if (p->point_of[i] < 0) continue;
+    lth_v3_copy(p->t->points + 3 * (LitheCount)i, p->points + 3 * (LitheCount)p->point_of[i]);
+    p->rank[p->point_of[i]] = p->t->point_rank[i];
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_topology_mesh(LitheCtx *ctx, const LthTopology *topology, LitheIndex n,
+                              const LitheIndex *cells, LthMesh **mesh, LitheIndex **cell_record,
+                              LitheIndex **face_record) {
+  // scratch alone is written
+  Packing p = {.t = (LthTopology *)(uintptr_t)topology};
+  LitheStatus status = LITHE_OK;
+  *mesh = NULL;
+  LITHE_TRY_OR(done, list_cells(ctx, &p, n, cells));
+  LITHE_TRY_OR(done, list_faces(ctx, &p, !cells));
+  LITHE_TRY_OR(done, copy_points(ctx, &p));
+  LthMeshDef def = {.n_points = p.n_points,
+                    .n_faces = p.n_faces,
+                    .n_cells = p.n_cells,
+                    .n_surface_points = cells ? 0 : topology->n_surface_points,
+                    .points = p.points,
+                    .point_rank = p.rank,
+                    .face_loop_off = p.face_loop_off,
+                    .loop_off = p.loop_off,
+                    .loop_point = p.loop_point,
+                    .face_cell = p.face_cell,
+                    .face_tag = p.face_tag,
+                    .cell_size = topology->cell_size};
+  LITHE_TRY_OR(done, lth_mesh_create(ctx, &def, mesh));
+  if (cell_record) *cell_record = p.cell_record, p.cell_record = NULL;
+  if (face_record) *face_record = p.face_record, p.face_record = NULL;
+done:;
+  void *blocks[] = {p.cell_of,       p.point_of, p.cell_record, p.face_record,
+                    p.face_loop_off, p.loop_off, p.loop_point,  p.face_cell,
+                    p.face_tag,      p.points,   p.rank};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  return status;
+}
