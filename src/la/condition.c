@@ -1,4 +1,5 @@
 /// Condition number: dense eigenvalues, or Lanczos (1950) on the matrix and on its inverse.
+#include "la/blas_threads.h"
 #include "la/engine.h"
 #include "la/krylov.h"
 
@@ -40,7 +41,9 @@ static LitheStatus dense_condition(LitheCtx *ctx, const LthBlockMatrix *A, doubl
   LTH_NEW_OR(done, ctx, dense, A->n * A->n);
   LTH_NEW_OR(done, ctx, eigenvalue, A->n);
   expand(A, dense);
+  int threads = lth_blas_one_thread();
   int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'N', 'L', (int)A->n, dense, (int)A->n, eigenvalue);
+  lth_blas_threads(threads);
   if (info != 0)
     status = lth_fail(ctx, LITHE_NOT_CONVERGED, "condition number: LAPACK's dsyevd gave %d", info);
   else

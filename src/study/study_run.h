@@ -33,6 +33,7 @@ struct LthStudy {
 /// All studies of a group, ended by one without a name. Groups are listed in study_list.c.
 extern const LthStudy lth_studies_validation[];
 extern const LthStudy lth_studies_dolny[];
+extern const LthStudy lth_studies_kaufmann[];
 
 /// The figures of a run: result.json, parsed. Lives in the study's arena.
 typedef struct LthStudyResult {

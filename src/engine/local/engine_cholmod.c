@@ -1,9 +1,9 @@
 /// Sparse Cholesky by CHOLMOD (Chen, Davis, Hager, Rajamanickam 2008) behind la's engine interface.
 #include "engine/local/engine_local.h"
+#include "la/blas_threads.h"
 
 #include <cholmod.h>
 #include <math.h>
-#include <omp.h>
 #include <string.h>
 
 // The long interface: factors of 3D bodies pass 2^31 entries long before memory ends.
@@ -20,13 +20,6 @@ struct LthFactor {
 /// CHOLMOD's own messages would go to standard output.
 static void keep_quiet(int status, const char *file, int line, const char *message) {
   (void)status, (void)file, (void)line, (void)message;
-}
-
-/// BLAS on several threads does not promise the same bits: run CHOLMOD on one.
-static int one_thread(void) {
-  int before = omp_get_max_threads();
-  omp_set_num_threads(1);
-  return before;
 }
 
 static LitheStatus failure(LitheCtx *ctx, const LthFactor *f, const char *phase) {
@@ -131,7 +124,7 @@ static LitheStatus cholmod_analyse(LitheCtx *ctx, const LthBlockMatrix *A, LthFa
   LitheStatus status = LITHE_OK;
   LthFactor *f = NULL;
   *factor = NULL;
-  int threads = one_thread();
+  int threads = lth_blas_one_thread();
   LTH_NEW_OR(done, ctx, f, 1);
   f->started = cholmod_l_start(&f->common);
   f->common.print = 0;
@@ -144,7 +137,7 @@ static LitheStatus cholmod_analyse(LitheCtx *ctx, const LthBlockMatrix *A, LthFa
   f = NULL;
 done:
   cholmod_destroy(ctx, &f);
-  omp_set_num_threads(threads);
+  lth_blas_threads(threads);
   return status;
 }
 
@@ -152,11 +145,11 @@ static LitheStatus cholmod_numeric(LitheCtx *ctx, LthFactor *f, const LthBlockMa
   if (f->pattern_revision != A->pattern_revision)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "sparse Cholesky: the matrix has another pattern than was analysed");
-  int threads = one_thread();
+  int threads = lth_blas_one_thread();
   fill_values(A, f->lower);
   f->common.status = CHOLMOD_OK;
   bool done = cholmod_l_factorize(f->lower, f->L, &f->common) && f->common.status == CHOLMOD_OK;
-  omp_set_num_threads(threads);
+  lth_blas_threads(threads);
   return done ? LITHE_OK : failure(ctx, f, "factorisation");
 }
 
@@ -168,9 +161,9 @@ static LitheStatus cholmod_apply_inverse(LitheCtx *ctx, LthFactor *f, const doub
                        .x = (void *)b,
                        .xtype = CHOLMOD_REAL,
                        .dtype = CHOLMOD_DOUBLE};
-  int threads = one_thread();
+  int threads = lth_blas_one_thread();
   bool done = cholmod_l_solve2(CHOLMOD_A, f->L, &rhs, NULL, &f->x, NULL, &f->y, &f->e, &f->common);
-  omp_set_num_threads(threads);
+  lth_blas_threads(threads);
   if (!done) return failure(ctx, f, "solve");
   memcpy(x, f->x->x, sizeof *x * f->L->n);
   return LITHE_OK;
