@@ -8,8 +8,13 @@
 #define JOIN2(a, b) a##_##b
 #define JOIN(a, b) JOIN2(a, b)
 
+#if DIM == 3
+#define LANES_F 8
+#else
+#define LANES_F 16
+#endif
 #define REAL float
-#define LANES (DIM == 3 ? LTH_BLOCK_SIDE_3D : LTH_BLOCK_SIDE_2D)
+#define LANES LANES_F
 #define N(name) JOIN(name, f)
 #include "disc/staggered/staggered_rows.h"
 #undef REAL
@@ -24,8 +29,6 @@
 #undef N
 
 #define BLOCK (DIM * CELLS)
-#define HALF (SIDE / 2)
-#define DEEP_HALF (DIM == 3 ? DEEP / 2 : 1)
 
 static const float no_values_f[BLOCK];
 static const double no_values_d[BLOCK];
@@ -44,35 +47,50 @@ ALWAYS double sum_lanes(const double lane[SIDE]) {
   return sum;
 }
 
-/// (A x) of a block; its own x is in the middle of `u`.
-ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[DIM][CELLS]) {
-  _Alignas(64) float u[DIM][PADDED];
+/// Coefficients of a general block: `sample` has a margin of one before cells and behind edges.
+ALWAYS void find_samples(const LthFastLevel *L, LitheIndex block, Samples_f *c) {
+  const LitheCount n = N_EDGE_ROWS * (SIDE + 1);
+  const float *s = L->sample + (LitheCount)L->number[block] * L->n_sample;
+  for (int q = 0; q < N_EDGE_ROWS; q++, s += SIDE + 1) {
+    c->lambda[q] = s + 1;
+    c->mu[q] = s + n + 1;
+    c->shear[XY][q] = s + 2 * n;
+#if DIM == 3
+    c->shear[0][q] = s + 3 * n;
+    c->shear[1][q] = s + 4 * n;
+#endif
+  }
+  for (int k = 0; k < DEEP; k++)
+    for (int j = 0; j < SIDE; j++) {
+      const int at = k * SIDE + j;
+      c->lambda_before[at] = c->lambda[CELL_ROW(j, k)][-1];
+      c->mu_before[at] = c->mu[CELL_ROW(j, k)][-1];
+      c->shear_behind[XY][at] = c->shear[XY][EDGE_ROW(j, k)][SIDE];
+      if (DIM == 3) c->shear_behind[1][at] = c->shear[1][EDGE_ROW(j, k)][SIDE];
+    }
+}
+
+/// (A x) of a block.
+ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
   const float *near[N_NEAR];
-  find_near_f(L->grid, block, L->x.at, L->x.stride, no_values_f, near);
-  const LitheIndex next = block_ahead(L->grid, block);
-  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, block_of(L->x, next), u[a]);
+  const float *ahead = block_of(L->x, block_ahead(L->grid, block));
   const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
+  Rows_f rows;
+  find_near_f(L->grid, block, L->x.at, L->x.stride, no_values_f, near);
+  find_rows_f(near, &rows);
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
     const float *c = L->constant + 3 * (LitheCount)block;
-    uniform_rows_f(u, c[0], c[1], c[2], ratio, y);
+    const Constant_f constant = constant_f(c[0], c[1], c[2], ratio);
+    uniform_rows_f(&rows, &constant, ahead, y);
     return;
   }
-  const LitheCount n = L->n_sample / (DIM == 3 ? 5 : 3);
-  const float *s = L->sample + (LitheCount)L->number[block] * L->n_sample;
-  const int side = SIDE + 1;
-  const Samples_f c = {
-      .lambda = s,
-      .mu = s + n,
-      .shear = {DIM == 3 ? s + 3 * n : NULL, DIM == 3 ? s + 4 * n : NULL, s + 2 * n},
-      .cell_shift = 1 + side + (DIM == 3 ? side * side : 0),
-      .edge_shift = 0,
-      .step_y = side,
-      .step_z = side * side};
-  general_rows_f(u, &c, ratio, y);
+  Samples_f samples;
+  find_samples(L, block, &samples);
+  general_rows_f(&rows, &samples, ratio, ahead, y);
   if (!L->inertia) return;
   const float *m = L->inertia + (LitheCount)L->number[block] * BLOCK, *x = block_of(L->x, block);
   for (int at = 0; at < BLOCK; at += SIDE)
-    store_f(y[0] + at, load_f(y[0] + at) + load_f(m + at) * load_f(x + at));
+    store_f(y + at, load_f(y + at) + load_f(m + at) * load_f(x + at));
 }
 
 /// Inverse of the diagonal of a component in a uniform block.
@@ -111,13 +129,13 @@ ALWAYS void smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep ste
 
 LTH_CLONES
 static double smooth(const LthFastLevel *L, LitheIndex block, LthFastStep step) {
-  _Alignas(64) float Ax[DIM][CELLS];
+  _Alignas(64) float Ax[BLOCK];
   double lane[SIDE] = {0};
   fast_rows(L, block, Ax);
   if (step.fresh)
-    smooth_rows(L, block, step, true, Ax[0], lane);
+    smooth_rows(L, block, step, true, Ax, lane);
   else
-    smooth_rows(L, block, step, false, Ax[0], lane);
+    smooth_rows(L, block, step, false, Ax, lane);
   return step.product ? sum_lanes(lane) : 0;
 }
 
@@ -144,13 +162,13 @@ ALWAYS const float *scale_of(const LthFastLevel *L, LitheIndex block) {
 
 LTH_CLONES
 static void residual(const LthFastLevel *L, LitheIndex block) {
-  _Alignas(64) float Ax[DIM][CELLS];
+  _Alignas(64) float Ax[BLOCK];
   fast_rows(L, block, Ax);
-  const float *b = block_of(L->b, block), *scale = scale_of(L, block), *A = Ax[0];
+  const float *b = block_of(L->b, block), *scale = scale_of(L, block);
   const float same = L->same_scale[block];
   float *y = block_of(L->y, block);
   for (int at = 0; at < BLOCK; at += SIDE) {
-    Lane_f r = load_f(b + at) - load_f(A + at);
+    Lane_f r = load_f(b + at) - load_f(Ax + at);
     store_f(y + at, scale ? r * load_f(scale + at) : r * same);
   }
 }
@@ -163,229 +181,83 @@ static void weigh(const LthFastLevel *L, LitheIndex block) {
   for (int i = 0; i < BLOCK; i++) y[i] = (scale ? scale[i] : same) * b[i];
 }
 
-/// Double coefficients of a general block, with margins.
-typedef struct Padded {
-  double lambda[PADDED], mu[PADDED], shear[DIM == 3 ? 3 : 1][PADDED];
-} Padded;
-
-ALWAYS void pad_samples(const LthFastLevel *L, LitheIndex block, Padded *P, Samples_d *c) {
+/// Rows of a field of cells, and its values before them.
+ALWAYS void find_cell_rows(const LthFastLevel *L, LitheIndex block, const double *field,
+                           const double **row, double *before) {
   const double *near[N_NEAR];
-  const LthStaggeredLevel *l = L->level;
-  const double *const from[5] = {l->lambda, l->mu, l->shear[2], l->shear[0], l->shear[1]};
-  double *const to[5] = {P->lambda, P->mu, P->shear[0], DIM == 3 ? P->shear[DIM - 2] : NULL,
-                         DIM == 3 ? P->shear[DIM - 1] : NULL};
-  const LitheIndex next = block_ahead(L->grid, block);
-  for (int i = 0; i < (DIM == 3 ? 5 : 3); i++) {
-    find_near_d(L->grid, block, from[i], CELLS, no_values_d, near);
-    pad_d(near, 0, from[i] + (LitheCount)next * CELLS, to[i]);
+  find_near_d(L->grid, block, field, CELLS, no_values_d, near);
+  for (int k = FIRST_K; k < DEEP; k++) {
+    const double *const *plane = near + (DIM == 3 && k >= 0 ? 9 : 0);
+    const int at = (k & (DEEP - 1)) * SIDE * SIDE;
+    row[CELL_ROW(-1, k)] = plane[1] + at + (SIDE - 1) * SIDE;
+    for (int j = 0; j < SIDE; j++) row[CELL_ROW(j, k)] = plane[4] + at + j * SIDE;
+    for (int j = 0; k >= 0 && j < SIDE; j++)
+      before[k * SIDE + j] = plane[3][at + j * SIDE + SIDE - 1];
   }
-  *c = (Samples_d){.lambda = P->lambda,
-                   .mu = P->mu,
-                   .shear = {to[3], to[4], to[2]},
-                   .cell_shift = AT(0, 0, 0),
-                   .edge_shift = AT(0, 0, 0),
-                   .step_y = STEP_Y,
-                   .step_z = STEP_Z};
+}
+
+/// Rows of a field of edges, and its values behind them.
+ALWAYS void find_edge_rows(const LthFastLevel *L, LitheIndex block, const double *field,
+                           const double **row, double *behind) {
+  const double *near[N_NEAR];
+  find_near_d(L->grid, block, field, CELLS, no_values_d, near);
+  for (int k = 0; k < DEEP - FIRST_K; k++) {
+    const double *const *plane = near + (DIM == 3 ? k < DEEP ? 9 : 18 : 0);
+    const int at = (k & (DEEP - 1)) * SIDE * SIDE;
+    for (int j = 0; j < SIDE; j++) row[EDGE_ROW(j, k)] = plane[4] + at + j * SIDE;
+    row[EDGE_ROW(SIDE, k)] = plane[7] + at;
+    for (int j = 0; k < DEEP && j < SIDE; j++) behind[k * SIDE + j] = plane[5][at + j * SIDE];
+  }
 }
 
 /// q = f K u + m M u at the unknowns of a general block that count.
 ALWAYS void finish_general(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
                            bool held, const double *p, double *q) {
-  for (int a = 0; a < DIM; a++) {
+  const uint8_t last = held ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_FREE;
+  for (int a = 0; a < DIM; a++, p += CELLS, q += CELLS) {
     const double *m = L->level->mass[a] + (LitheCount)block * CELLS;
     const uint8_t *state = L->level->state[a] + (LitheCount)block * CELLS;
-    for (int i = 0; i < CELLS; i++) {
-      int at = a * CELLS + i;
-      double value = stiff * q[at] + inert * m[i] * p[at];
-      q[at] = state[i] == LTH_UNKNOWN_FREE || (held && state[i] == LTH_UNKNOWN_HELD) ? value : 0;
-    }
+    for (int i = 0; i < CELLS; i++) q[i] *= stiff;
+    for (int i = 0; inert != 0 && i < CELLS; i++) q[i] += inert * m[i] * p[i];
+    for (int i = 0; i < CELLS; i++)
+      q[i] = state[i] != LTH_UNKNOWN_DEAD && state[i] <= last ? q[i] : 0;
   }
 }
 
 LTH_CLONES
 static double apply(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                     const double *values, double *result) {
-  _Alignas(64) double u[DIM][PADDED];
   const double *near[N_NEAR];
-  double(*y)[CELLS] = (double(*)[CELLS])(result + (LitheCount)block * BLOCK);
   const double *p = values + (LitheCount)block * BLOCK;
+  const double *ahead = values + (LitheCount)block_ahead(L->grid, block) * BLOCK;
+  double *q = result + (LitheCount)block * BLOCK;
   const LthStaggeredLevel *l = L->level;
   double volume = lth_sparse_grid_cell_volume(L->grid);
   double stiff = ck * volume / (L->grid->h[0] * L->grid->h[0]), inert = cm * volume;
+  Rows_d rows;
   find_near_d(L->grid, block, values, BLOCK, no_values_d, near);
-  const LitheIndex next = block_ahead(L->grid, block);
-  for (int a = 0; a < DIM; a++) {
-    pad_d(near, a * CELLS, values + (LitheCount)next * BLOCK, u[a]);
-    for (int i = 0; i < CELLS; i += SIDE)
-      fetch_d(result + (LitheCount)next * BLOCK + a * CELLS + i, 1);
-  }
+  find_rows_d(near, &rows);
   LitheCount first = (LitheCount)block * CELLS;
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
-    uniform_rows_d(u, stiff * l->lambda[first], stiff * l->mu[first], inert * l->mass[0][first],
-                   L->ratio, y);
+    const Constant_d c = constant_d(stiff * l->lambda[first], stiff * l->mu[first],
+                                    inert * l->mass[0][first], L->ratio);
+    uniform_rows_d(&rows, &c, ahead, q);
   } else {
-    Padded P;
     Samples_d c;
-    pad_samples(L, block, &P, &c);
-    general_rows_d(u, &c, L->ratio, y);
-    finish_general(L, block, stiff, inert, held, p, y[0]);
+    find_cell_rows(L, block, l->lambda, c.lambda, c.lambda_before);
+    find_cell_rows(L, block, l->mu, c.mu, c.mu_before);
+    for (int e = 0; e < N_SHEAR; e++)
+      find_edge_rows(L, block, l->shear[DIM == 3 ? e : 2], c.shear[e], c.shear_behind[e]);
+    general_rows_d(&rows, &c, L->ratio, ahead, q);
+    finish_general(L, block, stiff, inert, held, p, q);
   }
   double lane[SIDE] = {0};
-  const double *q = y[0];
   for (int r = 0; r < BLOCK; r += SIDE)
     for (int i = 0; i < SIDE; i++) lane[i] += p[r + i] * q[r + i];
   return sum_lanes(lane);
 }
 
-/// Block at a place, -1 where there is none.
-static LitheIndex block_at_place(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
-  if (i < 0 || j < 0 || k < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2])
-    return -1;
-  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
-}
-
-/// Values around a place whose own block may be missing; false where there is nothing at all.
-static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3], LthFastVector v,
-                            const float *near[N_NEAR]) {
-  bool any = false;
-  for (int i = 0; i < N_NEAR; i++) {
-    LitheIndex block = block_at_place(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
-                                      place[2] + (DIM == 3 ? i / 9 - 1 : 0));
-    near[i] = block < 0 ? no_values_f : block_of(v, block);
-    any |= block >= 0;
-  }
-  return any;
-}
-
-/// Fine place and offset in coarse cells of the `child`th part of a coarse block.
-static void child_of(const LthSparseGrid *coarse, LitheIndex block, int child, LitheIndex place[3],
-                     int offset[3]) {
-  for (int a = 0; a < 3; a++) {
-    int high = child >> a & 1;
-    place[a] = DIM == 2 && a == 2 ? 0 : 2 * coarse->place[3 * (LitheCount)block + a] + high;
-    offset[a] = high * HALF;
-  }
-}
-
-/// Weighted pair of rows: fine row j from coarse rows around it, along (`own`) or across the component.
-ALWAYS void blend(bool own, int j, const float *restrict below, const float *restrict here,
-                  const float *restrict above, float *restrict out) {
-  if (own && !(j & 1))
-    for (int i = 0; i < SIDE; i++) out[i] = here[i];
-  else if (own)
-    for (int i = 0; i < SIDE; i++) out[i] = 0.5F * (here[i] + above[i]);
-  else {
-    const float *restrict far = j & 1 ? above : below;
-    for (int i = 0; i < SIDE; i++) out[i] = 0.75F * here[i] + 0.25F * far[i];
-  }
-}
-
-/// Component a of a fine block from the padded coarse one that it is a part of.
-ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restrict out) {
-  enum { ROWS = HALF + 2, LAYERS = DIM == 3 ? HALF + 2 : 1 };
-  _Alignas(64) float x[LAYERS][ROWS][SIDE], xy[LAYERS][SIDE][SIDE];
-  for (int K = 0; K < LAYERS; K++)
-    for (int J = 0; J < ROWS; J++) {
-      const float *from = c + AT(offset[0], offset[1] + J - 1, (DIM == 3 ? offset[2] + K - 1 : 0));
-      for (int i = 0; i < HALF; i++) {
-        x[K][J][2 * i] = a == 0 ? from[i] : 0.75F * from[i] + 0.25F * from[i - 1];
-        x[K][J][2 * i + 1] =
-            a == 0 ? 0.5F * (from[i] + from[i + 1]) : 0.75F * from[i] + 0.25F * from[i + 1];
-      }
-    }
-  for (int K = 0; K < LAYERS; K++)
-    for (int j = 0; j < SIDE; j++) {
-      int J = j / 2 + 1;
-      blend(a == 1, j, x[K][J - 1], x[K][J], x[K][J + 1], DIM == 3 ? xy[K][j] : out + j * SIDE);
-    }
-#if DIM == 3
-  for (int k = 0; k < DEEP; k++)
-    for (int j = 0; j < SIDE; j++) {
-      int K = k / 2 + 1;
-      blend(a == 2, k, xy[K - 1][j], xy[K][j], xy[K + 1][j], out + (k * SIDE + j) * SIDE);
-    }
-#endif
-}
-
-LTH_CLONES
-static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
-                         bool add) {
-  _Alignas(64) float c[DIM][PADDED], out[CELLS];
-  const float *near[N_NEAR];
-  find_near_f(coarse->grid, block, coarse->x.at, coarse->x.stride, no_values_f, near);
-  for (int a = 0; a < DIM; a++) pad_f(near, a * CELLS, block_of(coarse->x, block), c[a]);
-  if (coarse->pull) {
-    find_near_f(coarse->grid, block, coarse->pull, BLOCK, no_values_f, near);
-    for (int a = 0; a < DIM; a++) {
-      _Alignas(64) float pull[PADDED];
-      pad_f(near, a * CELLS, coarse->pull, pull);
-      for (int i = 0; i < PADDED; i++) c[a][i] *= pull[i];
-    }
-  }
-  for (int child = 0; child < 1 << DIM; child++) {
-    LitheIndex place[3];
-    int offset[3];
-    child_of(coarse->grid, block, child, place, offset);
-    LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
-    if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
-    const float *scale = scale_of(fine, to), same = fine->same_scale[to];
-    for (int a = 0; a < DIM; a++) {
-      float *restrict x = block_of(fine->x, to) + a * CELLS;
-      interpolate(c[a], a, offset, out);
-      for (int i = 0; i < CELLS; i++) out[i] *= scale ? scale[a * CELLS + i] : same;
-      if (add)
-        for (int i = 0; i < CELLS; i++) x[i] += out[i];
-      else
-        memcpy(x, out, sizeof out);
-    }
-  }
-}
-
-/// Transposed weights along one axis: coarse value I from fine ones 2 I - 1 ... 2 I + 2, `step` apart.
-ALWAYS float gather4(const float *at, int step, bool own) {
-  return own ? at[0] + 0.5F * (at[-step] + at[step])
-             : 0.75F * (at[0] + at[step]) + 0.25F * (at[-step] + at[2 * step]);
-}
-
-/// Component a of a part of a coarse block (in coarse cells, SIDE apart) from the padded fine block below it.
-ALWAYS void collect(const float *f, int a, float *restrict out) {
-  _Alignas(64) float z[DEEP_HALF][SIDE + 2][PAD_X], yz[DEEP_HALF][HALF][PAD_X];
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int j = -1; j <= SIDE; j++)
-      for (int i = -1; i <= SIDE; i++)
-        z[K][j + 1][i + PAD_LEFT] =
-            DIM == 3 ? gather4(f + AT(i, j, 2 * K), STEP_Z, a == 2) : f[AT(i, j, 0)];
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int J = 0; J < HALF; J++)
-      for (int i = -1; i <= SIDE; i++)
-        yz[K][J][i + PAD_LEFT] = gather4(&z[K][2 * J + 1][i + PAD_LEFT], PAD_X, a == 1);
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int J = 0; J < HALF; J++)
-      for (int I = 0; I < HALF; I++)
-        out[(K * SIDE + J) * SIDE + I] = gather4(&yz[K][J][2 * I + PAD_LEFT], 1, a == 0);
-}
-
-LTH_CLONES
-static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
-  _Alignas(64) float f[PADDED];
-  const float *near[N_NEAR];
-  float *b = block_of(coarse->b, block);
-  memset(b, 0, sizeof *b * BLOCK);
-  for (int child = 0; child < 1 << DIM; child++) {
-    LitheIndex place[3];
-    int offset[3];
-    child_of(coarse->grid, block, child, place, offset);
-    if (!find_near_place(fine->grid, place, fine->y, near)) continue;
-    int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
-    for (int a = 0; a < DIM; a++) {
-      pad_f(near, a * CELLS, near[N_NEAR / 2], f);
-      collect(f, a, b + a * CELLS + first);
-    }
-  }
-  if (!coarse->pull) return;
-  const float *pull = coarse->pull + (LitheCount)block * BLOCK;
-  for (int i = 0; i < BLOCK; i++) b[i] *= pull[i];
-}
+#include "disc/staggered/staggered_transfers.h"
 
 const LthFastKernels JOIN(lth_fast_kernels, SUFFIX) = {smooth,      start,        residual, weigh,
                                                        restrict_to, prolong_from, apply};

@@ -1,29 +1,24 @@
 /// Rows of the operator in one block, for one precision and dimension: define REAL, LANES (values of a register), DIM
 /// and N(name), then include.
-// A block is copied with a margin of one cell into an array of its own ("padded"), so that nothing below asks what
-// lies where. Formulas: docs/theory/staggered.md, equations (4), (5).
+// Rows along x are read where they stand, in the block or in its neighbours, by tables of their places; a value to the
+// side comes from a neighbour's row by a shuffle. Formulas: docs/theory/staggered.md, equations (4), (5).
 
 #if DIM == 3
 #define SIDE LTH_BLOCK_SIDE_3D
 #define DEEP LTH_BLOCK_SIDE_3D
 #define PAD_Z (DEEP + 2)
-#define AT(i, j, k) (((k) + 1) * (SIDE + 2) * PAD_X + ((j) + 1) * PAD_X + (i) + PAD_LEFT)
-#define STEP_Z ((SIDE + 2) * PAD_X)
 #define FIRST_K (-1)
 #define N_NEAR 27
 #else
 #define SIDE LTH_BLOCK_SIDE_2D
 #define DEEP 1
 #define PAD_Z 1
-#define AT(i, j, k) (((j) + 1) * PAD_X + (i) + PAD_LEFT)
-#define STEP_Z 0
 #define FIRST_K 0
 #define N_NEAR 9
 #endif
-#define PAD_LEFT 8 // rows start at a multiple of a register, so that most loads cross no cache line
-#define PAD_X (SIDE + 16)
-#define STEP_Y PAD_X
-#define PADDED (PAD_X * (SIDE + 2) * PAD_Z)
+#define ROWS_Z (SIDE + 2)                            // rows from plane to plane in a table
+#define N_ROWS (ROWS_Z * PAD_Z)                      // a block's rows and those around them
+#define ROW(j, k) (((k)-FIRST_K) * ROWS_Z + (j) + 1) // place in a table of row j of plane k
 #define CELLS (SIDE * SIDE * DEEP)
 #define ALWAYS static inline __attribute__((always_inline))
 
@@ -34,6 +29,23 @@ typedef REAL N(Lane)
 ALWAYS N(Lane) N(load)(const REAL *p) { return *(const N(Lane) *)p; }
 ALWAYS void N(store)(REAL *p, N(Lane) v) { *(N(Lane) *)p = v; }
 
+/// Values one place further up: those of v but its first, then the first of `next`; and one place further down.
+ALWAYS N(Lane) N(shift_up)(N(Lane) v, N(Lane) next) {
+#if LANES == 8
+  return __builtin_shufflevector(v, next, 1, 2, 3, 4, 5, 6, 7, 8);
+#else
+  return __builtin_shufflevector(v, next, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
+#endif
+}
+ALWAYS N(Lane) N(shift_down)(N(Lane) before, N(Lane) v) {
+#if LANES == 8
+  return __builtin_shufflevector(before, v, 7, 8, 9, 10, 11, 12, 13, 14);
+#else
+  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
+                                 29, 30);
+#endif
+}
+
 /// Values of a block (or zeros) around it, by the offsets of LthSparseGrid.neighbor.
 ALWAYS void N(find_near)(const LthSparseGrid *g, LitheIndex block, const REAL *values,
                          LitheCount stride, const REAL *zeros, const REAL *near[N_NEAR]) {
@@ -41,174 +53,306 @@ ALWAYS void N(find_near)(const LthSparseGrid *g, LitheIndex block, const REAL *v
   for (int i = 0; i < N_NEAR; i++) near[i] = to[i] < 0 ? zeros : values + to[i] * stride;
 }
 
-/// Fetch what stands `ahead` of a block's own values: caches do not guess where the next block begins.
-ALWAYS void N(fetch)(const REAL *ahead, int write) {
-  for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL)) {
-    if (write)
-      __builtin_prefetch(ahead + i, 1, 2);
-    else
-      __builtin_prefetch(ahead + i, 0, 2);
-  }
+/// Where rows of a block and those around it stand: in the blocks before, here and after along x.
+typedef struct N(Rows) {
+  const REAL *at[3][N_ROWS];
+} N(Rows);
+
+ALWAYS void N(find_plane)(const REAL *const below, const REAL *const here, const REAL *const above,
+                          const REAL **to) {
+  to[0] = below + (SIDE - 1) * SIDE;
+  for (int j = 0; j < SIDE; j++) to[j + 1] = here + j * SIDE;
+  to[SIDE + 1] = above;
 }
 
-/// Copy `rows` rows of a block, and a value to either side of each.
-ALWAYS void N(pad_rows)(const REAL *const side[3], LitheCount at, int rows, const REAL *ahead,
-                        REAL *to) {
-  const REAL *left = side[0] + at + SIDE - 1, *here = side[1] + at, *right = side[2] + at;
-  for (int j = 0; j < rows; j++, left += SIDE, here += SIDE, right += SIDE, to += PAD_X) {
-    to[-1] = *left;
-    for (int i = 0; i < SIDE; i += LANES) N(store)(to + i, N(load)(here + i));
-    to[SIDE] = *right;
-    if (ahead) N(fetch)(ahead + j * SIDE, 0);
-  }
-}
-
-/// Copy a block with its margin; `skip`: values before those of the component. Those of the block `ahead` are fetched.
-ALWAYS void N(pad)(const REAL *const near[N_NEAR], LitheCount skip, const REAL *ahead,
-                   REAL *padded) {
-  ahead += skip;
+ALWAYS void N(find_rows)(const REAL *const near[N_NEAR], N(Rows) * rows) {
   for (int k = FIRST_K; k < DEEP - FIRST_K; k++) {
     const REAL *const *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
-    LitheCount at = skip + (k & (DEEP - 1)) * SIDE * SIDE;
-    N(pad_rows)(plane, at + (SIDE - 1) * SIDE, 1, NULL, padded + AT(0, -1, k));
-    N(pad_rows)
-    (plane + 3, at, SIDE, k >= 0 && k < DEEP ? ahead + k * SIDE * SIDE : NULL,
-     padded + AT(0, 0, k));
-    N(pad_rows)(plane + 6, at, 1, NULL, padded + AT(0, SIDE, k));
+    const int at = (k & (DEEP - 1)) * SIDE * SIDE;
+    for (int x = 0; x < 3; x++) N(find_plane)
+    (plane[x] + at, plane[3 + x] + at, plane[6 + x] + at, rows->at[x] + ROW(-1, k));
   }
 }
 
-ALWAYS int N(step)(int axis) { return axis == 0 ? 1 : axis == 1 ? STEP_Y : STEP_Z; }
-
-/// Second difference along the two axes, and mixed difference of another component, of the rows at v.
-ALWAYS N(Lane) N(second)(const REAL *v, int step) { return N(load)(v + step) + N(load)(v - step); }
-ALWAYS N(Lane) N(mixed)(const REAL *v, int along, int step) {
-  return (N(load)(v + step) - N(load)(v)) - (N(load)(v + step - along) - N(load)(v - along));
+/// Component c of the unknowns i, i + 1, ... of row r, and of those one place down and up.
+ALWAYS N(Lane) N(own)(const N(Rows) * rows, int c, int r, int i) {
+  return N(load)(rows->at[1][r] + c * CELLS + i);
+}
+ALWAYS N(Lane) N(low)(const N(Rows) * rows, int c, int r, int i) {
+  if (i > 0) return N(load)(rows->at[1][r] + c * CELLS + i - 1);
+  return N(shift_down)(N(load)(rows->at[0][r] + c * CELLS + SIDE - LANES), N(own)(rows, c, r, 0));
+}
+ALWAYS N(Lane) N(high)(const N(Rows) * rows, int c, int r, int i) {
+  if (i + LANES < SIDE) return N(load)(rows->at[1][r] + c * CELLS + i + 1);
+  return N(shift_up)(N(own)(rows, c, r, i), N(load)(rows->at[2][r] + c * CELLS));
 }
 
-/// Component a of y = A u where coefficients are constant: laplacian and gradient of the divergence.
-ALWAYS void N(uniform_component)(REAL u[DIM][PADDED], REAL lambda, REAL mu, REAL inertia,
-                                 const REAL ratio[3], const int a, REAL *y) {
-  REAL side[3], cross[3], centre = inertia;
-  for (int b = 0; b < DIM; b++) {
-    side[b] = (b == a ? 2 * mu + lambda : mu) * ratio[b] * ratio[b];
-    cross[b] = (lambda + mu) * ratio[a] * ratio[b];
-    centre += 2 * side[b];
+/// Fetch a row into the second cache: processors do not guess where the next block begins.
+ALWAYS void N(fetch)(const REAL *row) {
+  for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(row + i, 0, 2);
+}
+
+/// y = A u in a row of a block where coefficients are constant: laplacian and gradient of the divergence.
+typedef struct N(Constant) {
+  REAL centre[DIM], side[DIM][DIM], cross[3]; ///< cross[a + b - 1]
+} N(Constant);
+
+ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ratio[3]) {
+  N(Constant) c;
+  for (int a = 0; a < DIM; a++) {
+    c.centre[a] = inertia;
+    for (int b = 0; b < DIM; b++) {
+      c.side[a][b] = (b == a ? 2 * mu + lambda : mu) * ratio[b] * ratio[b];
+      c.centre[a] += 2 * c.side[a][b];
+      if (b > a) c.cross[a + b - 1] = (lambda + mu) * ratio[a] * ratio[b];
+    }
   }
-  const int sa = N(step)(a), b1 = (a + 1) % DIM, s1 = N(step)(b1);
+  return c;
+}
+
+ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, REAL *y) {
+  const N(Lane) u = N(own)(rows, 0, r, i), v = N(own)(rows, 1, r, i);
+  const N(Lane) ulo = N(low)(rows, 0, r, i), uhi = N(high)(rows, 0, r, i);
+  const N(Lane) vlo = N(low)(rows, 1, r, i), vhi = N(high)(rows, 1, r, i);
+  const N(Lane) uy0 = N(own)(rows, 0, r - 1, i), uy1 = N(own)(rows, 0, r + 1, i);
+  const N(Lane) vy0 = N(own)(rows, 1, r - 1, i), vy1 = N(own)(rows, 1, r + 1, i);
+  N(Lane)
+  x = c->centre[0] * u - c->side[0][0] * (ulo + uhi) - c->side[0][1] * (uy0 + uy1) -
+      c->cross[0] * ((vy1 - v) - (N(low)(rows, 1, r + 1, i) - vlo));
+  N(Lane)
+  z1 = c->centre[1] * v - c->side[1][0] * (vlo + vhi) - c->side[1][1] * (vy0 + vy1) -
+       c->cross[0] * ((uhi - u) - (N(high)(rows, 0, r - 1, i) - uy0));
+#if DIM == 3
+  const N(Lane) w = N(own)(rows, 2, r, i);
+  const N(Lane) wlo = N(low)(rows, 2, r, i), whi = N(high)(rows, 2, r, i);
+  const N(Lane) wy0 = N(own)(rows, 2, r - 1, i), wy1 = N(own)(rows, 2, r + 1, i);
+  const N(Lane) uz0 = N(own)(rows, 0, r - ROWS_Z, i), uz1 = N(own)(rows, 0, r + ROWS_Z, i);
+  const N(Lane) vz0 = N(own)(rows, 1, r - ROWS_Z, i), vz1 = N(own)(rows, 1, r + ROWS_Z, i);
+  const N(Lane) wz0 = N(own)(rows, 2, r - ROWS_Z, i), wz1 = N(own)(rows, 2, r + ROWS_Z, i);
+  x -= c->side[0][2] * (uz0 + uz1) +
+       c->cross[1] * ((wz1 - w) - (N(low)(rows, 2, r + ROWS_Z, i) - wlo));
+  z1 -= c->side[1][2] * (vz0 + vz1) +
+        c->cross[2] * ((wz1 - w) - (N(own)(rows, 2, r + ROWS_Z - 1, i) - wy0));
+  N(store)
+  (y + 2 * CELLS, c->centre[2] * w - c->side[2][0] * (wlo + whi) - c->side[2][1] * (wy0 + wy1) -
+                      c->side[2][2] * (wz0 + wz1) -
+                      c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
+                      c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
+#endif
+  N(store)(y, x);
+  N(store)(y + CELLS, z1);
+}
+
+/// y = A u in a block; rows of `ahead` (a block's values) are fetched.
+ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const REAL *ahead,
+                            REAL *y) {
   for (int k = 0; k < DEEP; k++)
-    for (int j = 0; j < SIDE; j++)
-      for (int i = 0; i < SIDE; i += LANES) {
-        const REAL *v = u[a] + AT(i, j, k), *v1 = u[b1] + AT(i, j, k);
-        N(Lane)
-        sum = centre * N(load)(v) - side[a] * N(second)(v, sa) - side[b1] * N(second)(v, s1) -
-              cross[b1] * N(mixed)(v1, sa, s1);
-#if DIM == 3
-        const int b2 = (a + 2) % DIM, s2 = N(step)(b2);
-        const REAL *v2 = u[b2] + AT(i, j, k);
-        sum -= side[b2] * N(second)(v, s2) + cross[b2] * N(mixed)(v2, sa, s2);
-#endif
-        N(store)(y + (k * SIDE + j) * SIDE + i, sum);
-      }
+    for (int j = 0; j < SIDE; j++) {
+      const int at = (k * SIDE + j) * SIDE;
+      for (int a = 0; a < DIM; a++) N(fetch)(ahead + a * CELLS + at);
+      for (int i = 0; i < SIDE; i += LANES) N(uniform_row)(rows, c, ROW(j, k), i, y + at + i);
+    }
 }
 
-ALWAYS void N(uniform_rows)(REAL u[DIM][PADDED], REAL lambda, REAL mu, REAL inertia,
-                            const REAL ratio[3], REAL y[DIM][CELLS]) {
-  N(uniform_component)(u, lambda, mu, inertia, ratio, 0, y[0]);
-  N(uniform_component)(u, lambda, mu, inertia, ratio, 1, y[1]);
-#if DIM == 3
-  N(uniform_component)(u, lambda, mu, inertia, ratio, 2, y[2]);
-#endif
-}
+#define N_EDGE_ROWS ((SIDE + 1) * (DIM == 3 ? SIDE + 1 : 1))
+#define CELL_ROW(j, k) (((k)-FIRST_K) * (SIDE + 1) + (j) + 1) // rows -1 ... SIDE - 1
+#define EDGE_ROW(j, k) ((k) * (SIDE + 1) + (j))               // rows 0 ... SIDE
+#define N_SHEAR (DIM == 3 ? 3 : 1)
+#define XY (DIM == 3 ? 2 : 0) // place of a shear in arrays of them; that along x is 0, y 1
 
-/// Coefficients of a general block: lambda and mu of cells, shear of edges; all in arrays of one shape, with the
-/// place of cell or edge (i, j, k) at shift + i + step_y j + step_z k.
+/// Where coefficients of a general block stand: rows of cells (from -1 on) and of edges (up to SIDE); and those of the
+/// cells before the rows, and of the edges behind them.
 typedef struct N(Samples) {
-  const REAL *lambda, *mu, *shear[3];
-  int cell_shift, edge_shift, step_y, step_z;
+  const REAL *lambda[N_EDGE_ROWS], *mu[N_EDGE_ROWS], *shear[N_SHEAR][N_EDGE_ROWS];
+  REAL lambda_before[DEEP * SIDE], mu_before[DEEP * SIDE];
+  REAL shear_behind[N_SHEAR][DEEP * SIDE]; ///< that along x is not needed
 } N(Samples);
 
-/// Stresses of a general block: normal ones of cells from -1 on, shear of edges from 0 on, along y and z.
-typedef struct N(Stresses) {
-  REAL normal[DIM][DEEP + (DIM == 3)][SIDE + 1][SIDE];
-  REAL shear[DIM == 3 ? 3 : 1][DEEP + (DIM == 3)][SIDE + 1][SIDE];
-} N(Stresses);
-
-ALWAYS N(Lane) N(strain)(const REAL *u, const REAL ratio[3], int a) {
-  return (N(load)(u + N(step)(a)) - N(load)(u)) * ratio[a];
-}
-
-/// Normal stresses of the cells at place p of u, q of the coefficients.
-ALWAYS void N(normal)(REAL u[DIM][PADDED], const N(Samples) * c, const REAL ratio[3], int p, int q,
-                      N(Lane) stress[DIM]) {
-  N(Lane) e[DIM], trace = (e[0] = N(strain)(u[0] + p, ratio, 0));
-  for (int a = 1; a < DIM; a++) trace += (e[a] = N(strain)(u[a] + p, ratio, a));
-  N(Lane) pressure = N(load)(c->lambda + q) * trace, mu2 = 2 * N(load)(c->mu + q);
-  for (int a = 0; a < DIM; a++) stress[a] = mu2 * e[a] + pressure;
-}
-
-/// Shear stress across a and b of the low edges at place p of u, q of the coefficients.
-ALWAYS N(Lane) N(shear)(REAL u[DIM][PADDED], const N(Samples) * c, const REAL ratio[3], int a,
-                        int b, int p, int q) {
-  const REAL *ua = u[a] + p, *ub = u[b] + p;
-  return N(load)(c->shear[3 - a - b] + q) * ((N(load)(ua) - N(load)(ua - N(step)(b))) * ratio[b] +
-                                             (N(load)(ub) - N(load)(ub - N(step)(a))) * ratio[a]);
-}
-
-/// All stresses but those that a row along x needs one cell to its side.
-ALWAYS void N(find_stresses)(REAL u[DIM][PADDED], const N(Samples) * c, const REAL ratio[3],
-                             N(Stresses) * S) {
-  for (int k = 0; k < DEEP + (DIM == 3); k++)
-    for (int j = 0; j <= SIDE; j++)
-      for (int i = 0; i < SIDE; i += LANES) {
-        N(Lane) normal[DIM];
-        const int low = DIM == 3 ? k - 1 : 0;
-        N(normal)
-        (u, c, ratio, AT(i, j - 1, low), c->cell_shift + i + c->step_y * (j - 1) + c->step_z * low,
-         normal);
-        for (int a = 0; a < DIM; a++) N(store)(S->normal[a][k][j] + i, normal[a]);
-        const int p = AT(i, j, k), q = c->edge_shift + i + c->step_y * j + c->step_z * k;
-        N(store)(S->shear[DIM == 3 ? 2 : 0][k][j] + i, N(shear)(u, c, ratio, 0, 1, p, q));
+ALWAYS N(Lane) N(normal_of)(const N(Lane) e[DIM], N(Lane) lambda, N(Lane) mu, N(Lane) s[DIM]) {
+  N(Lane) trace = e[0] + e[1];
 #if DIM == 3
-        N(store)(S->shear[0][k][j] + i, N(shear)(u, c, ratio, 1, 2, p, q));
-        N(store)(S->shear[1][k][j] + i, N(shear)(u, c, ratio, 2, 0, p, q));
+  trace += e[2];
 #endif
-      }
+  const N(Lane) pressure = lambda * trace, mu2 = mu + mu;
+  for (int a = 0; a < DIM; a++) s[a] = mu2 * e[a] + pressure;
+  return trace;
 }
 
-/// y = K u with the coefficients of a general block.
-ALWAYS void N(general_rows)(REAL u[DIM][PADDED], const N(Samples) * c, const REAL ratio[3],
-                            REAL y[DIM][CELLS]) {
-  _Alignas(64) N(Stresses) S;
-  N(find_stresses)(u, c, ratio, &S);
+/// Normal stresses of row (j, k) of cells.
+ALWAYS void N(normal)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j, int k,
+                      int i, N(Lane) s[DIM]) {
+  const int r = ROW(j, k), q = CELL_ROW(j, k);
+  N(Lane) e[DIM];
+  e[0] = (N(high)(rows, 0, r, i) - N(own)(rows, 0, r, i)) * ratio[0];
+  e[1] = (N(own)(rows, 1, r + 1, i) - N(own)(rows, 1, r, i)) * ratio[1];
+#if DIM == 3
+  e[2] = (N(own)(rows, 2, r + ROWS_Z, i) - N(own)(rows, 2, r, i)) * ratio[2];
+#endif
+  N(normal_of)(e, N(load)(c->lambda[q] + i), N(load)(c->mu[q] + i), s);
+}
+
+/// Shear stresses of row (j, k) of edges.
+ALWAYS N(Lane) N(shear_xy)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                           int k, int i) {
+  const int r = ROW(j, k);
+  return N(load)(c->shear[XY][EDGE_ROW(j, k)] + i) *
+         ((N(own)(rows, 0, r, i) - N(own)(rows, 0, r - 1, i)) * ratio[1] +
+          (N(own)(rows, 1, r, i) - N(low)(rows, 1, r, i)) * ratio[0]);
+}
+#if DIM == 3
+ALWAYS N(Lane) N(shear_yz)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                           int k, int i) {
+  const int r = ROW(j, k);
+  return N(load)(c->shear[0][EDGE_ROW(j, k)] + i) *
+         ((N(own)(rows, 1, r, i) - N(own)(rows, 1, r - ROWS_Z, i)) * ratio[2] +
+          (N(own)(rows, 2, r, i) - N(own)(rows, 2, r - 1, i)) * ratio[1]);
+}
+ALWAYS N(Lane) N(shear_zx)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                           int k, int i) {
+  const int r = ROW(j, k);
+  return N(load)(c->shear[1][EDGE_ROW(j, k)] + i) *
+         ((N(own)(rows, 2, r, i) - N(low)(rows, 2, r, i)) * ratio[0] +
+          (N(own)(rows, 0, r, i) - N(own)(rows, 0, r - ROWS_Z, i)) * ratio[2]);
+}
+#endif
+
+/// Values beside a block, and its own first and last ones, of all rows; then stresses of the cells before the rows and
+/// of the edges behind them.
+typedef struct N(Columns) {
+  REAL before[DIM][N_ROWS], behind[DIM][N_ROWS], first[N_ROWS], last[DIM][N_ROWS];
+  REAL normal[DEEP * SIDE], shear[N_SHEAR][DEEP * SIDE];
+} N(Columns);
+
+ALWAYS void N(find_columns)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
+                            N(Columns) * C) {
+  for (int r = 0; r < N_ROWS; r++) {
+    C->first[r] = rows->at[1][r][0];
+    for (int a = 0; a < DIM; a++) {
+      C->before[a][r] = rows->at[0][r][a * CELLS + SIDE - 1];
+      C->behind[a][r] = rows->at[2][r][a * CELLS];
+      if (a > 0) C->last[a][r] = rows->at[1][r][a * CELLS + SIDE - 1];
+    }
+  }
   for (int k = 0; k < DEEP; k++)
-    for (int j = 0; j < SIDE; j++)
-      for (int i = 0; i < SIDE; i += LANES) {
-        const int p = AT(i, j, k), first = i + c->step_y * j + c->step_z * k,
-                  out = (k * SIDE + j) * SIDE + i;
-        const int edge = c->edge_shift + first, above = k + (DIM == 3);
-        N(Lane) before[DIM];
-        N(normal)(u, c, ratio, p - 1, c->cell_shift + first - 1, before);
-#define HERE(v) N(load)((v) + i)
-#define XY S.shear[DIM == 3 ? 2 : 0]
-        N(Lane)
-        x = ratio[0] * (before[0] - HERE(S.normal[0][above][j + 1])) -
-            ratio[1] * (HERE(XY[k][j + 1]) - HERE(XY[k][j]));
-        N(Lane)
-        y1 = ratio[1] * (HERE(S.normal[1][above][j]) - HERE(S.normal[1][above][j + 1])) -
-             ratio[0] * (N(shear)(u, c, ratio, 0, 1, p + 1, edge + 1) - HERE(XY[k][j]));
+    for (int j = 0; j < SIDE; j += LANES) {
+      const int r = ROW(j, k), at = k * SIDE + j;
+      N(Lane) e[DIM], s[DIM];
+      e[0] = (N(load)(C->first + r) - N(load)(C->before[0] + r)) * ratio[0];
+      e[1] = (N(load)(C->before[1] + r + 1) - N(load)(C->before[1] + r)) * ratio[1];
 #if DIM == 3
-        x -= ratio[2] * (HERE(S.shear[1][k + 1][j]) - HERE(S.shear[1][k][j]));
-        y1 -= ratio[2] * (HERE(S.shear[0][k + 1][j]) - HERE(S.shear[0][k][j]));
-        N(store)
-        (y[2] + out,
-         ratio[2] * (HERE(S.normal[2][k][j + 1]) - HERE(S.normal[2][k + 1][j + 1])) -
-             ratio[0] * (N(shear)(u, c, ratio, 2, 0, p + 1, edge + 1) - HERE(S.shear[1][k][j])) -
-             ratio[1] * (HERE(S.shear[0][k][j + 1]) - HERE(S.shear[0][k][j])));
+      e[2] = (N(load)(C->before[2] + r + ROWS_Z) - N(load)(C->before[2] + r)) * ratio[2];
 #endif
-#undef HERE
-#undef XY
-        N(store)(y[0] + out, x);
-        N(store)(y[1] + out, y1);
-      }
+      N(normal_of)(e, N(load)(c->lambda_before + at), N(load)(c->mu_before + at), s);
+      N(store)(C->normal + at, s[0]);
+      const REAL *x = C->behind[0] + r;
+      N(store)
+      (C->shear[XY] + at, N(load)(c->shear_behind[XY] + at) *
+                              ((N(load)(x) - N(load)(x - 1)) * ratio[1] +
+                               (N(load)(C->behind[1] + r) - N(load)(C->last[1] + r)) * ratio[0]));
+#if DIM == 3
+      N(store)
+      (C->shear[1] + at, N(load)(c->shear_behind[1] + at) *
+                             ((N(load)(C->behind[2] + r) - N(load)(C->last[2] + r)) * ratio[0] +
+                              (N(load)(x) - N(load)(x - ROWS_Z)) * ratio[2]));
+#endif
+    }
+}
+
+/// Stresses of one plane of rows; those of the planes below and above where they are of use.
+typedef struct N(Plane) {
+  REAL xx[SIDE][SIDE], yy[SIDE + 1][SIDE], xy[SIDE + 1][SIDE];
+#if DIM == 3
+  REAL zz[2][SIDE][SIDE], yz[2][SIDE + 1][SIDE], zx[2][SIDE][SIDE];
+#endif
+} N(Plane);
+
+/// A row of which lane 0 (or the last) comes from a column.
+ALWAYS N(Lane) N(all)(REAL value) { return (N(Lane)){0} + value; }
+ALWAYS N(Lane) N(row_low)(const REAL *row, int i, REAL before) {
+  return i > 0 ? N(load)(row + i - 1) : N(shift_down)(N(all)(before), N(load)(row));
+}
+ALWAYS N(Lane) N(row_high)(const REAL *row, int i, REAL behind) {
+  return i + LANES < SIDE ? N(load)(row + i + 1) : N(shift_up)(N(load)(row + i), N(all)(behind));
+}
+
+/// Stresses of plane k that later ones need too: zz below, yz and zx above; k = -1 starts.
+#if DIM == 3
+ALWAYS void N(next_plane)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int k,
+                          N(Plane) * P) {
+  const int above = (k + 1) & 1;
+  for (int j = 0; j <= SIDE; j++)
+    N(store)(P->yz[above][j], N(shear_yz)(rows, c, ratio, j, k + 1, 0));
+  for (int j = 0; j < SIDE; j++)
+    N(store)(P->zx[above][j], N(shear_zx)(rows, c, ratio, j, k + 1, 0));
+}
+#endif
+
+ALWAYS void N(find_plane_stresses)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
+                                   int k, N(Plane) * P) {
+  for (int j = -1; j < SIDE; j++)
+    for (int i = 0; i < SIDE; i += LANES) {
+      N(Lane) s[DIM];
+      N(normal)(rows, c, ratio, j, k, i, s);
+      N(store)(P->yy[j + 1] + i, s[1]);
+      if (j < 0) continue;
+      N(store)(P->xx[j] + i, s[0]);
+#if DIM == 3
+      N(store)(P->zz[k & 1][j], s[2]);
+#endif
+    }
+  for (int j = 0; j <= SIDE; j++)
+    for (int i = 0; i < SIDE; i += LANES)
+      N(store)(P->xy[j] + i, N(shear_xy)(rows, c, ratio, j, k, i));
+}
+
+ALWAYS void N(add_rows)(const N(Plane) * P, const N(Columns) * C, const REAL ratio[3], int k,
+                        REAL *y) {
+  for (int j = 0; j < SIDE; j++)
+    for (int i = 0; i < SIDE; i += LANES) {
+      const int at = k * SIDE + j;
+      REAL *to = y + at * SIDE + i;
+      const N(Lane) xy = N(load)(P->xy[j] + i);
+      N(Lane)
+      fx = (N(row_low)(P->xx[j], i, C->normal[at]) - N(load)(P->xx[j] + i)) * ratio[0] -
+           (N(load)(P->xy[j + 1] + i) - xy) * ratio[1];
+      N(Lane)
+      fy = (N(load)(P->yy[j] + i) - N(load)(P->yy[j + 1] + i)) * ratio[1] -
+           (N(row_high)(P->xy[j], i, C->shear[XY][at]) - xy) * ratio[0];
+#if DIM == 3
+      const int here = k & 1, above = here ^ 1;
+      const N(Lane) yz = N(load)(P->yz[here][j]), zx = N(load)(P->zx[here][j]);
+      fx -= (N(load)(P->zx[above][j]) - zx) * ratio[2];
+      fy -= (N(load)(P->yz[above][j]) - yz) * ratio[2];
+      N(store)
+      (to + 2 * CELLS, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
+                           (N(row_high)(P->zx[here][j], 0, C->shear[1][at]) - zx) * ratio[0] -
+                           (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
+#endif
+      N(store)(to, fx);
+      N(store)(to + CELLS, fy);
+    }
+}
+
+/// y = K u with the coefficients of a general block; rows of `ahead` (a block's values) are fetched.
+ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
+                            const REAL *ahead, REAL *y) {
+  N(Columns) C;
+  N(Plane) P;
+  N(find_columns)(rows, c, ratio, &C);
+#if DIM == 3
+  for (int j = 0; j < SIDE; j++) {
+    N(Lane) s[DIM];
+    N(normal)(rows, c, ratio, j, -1, 0, s);
+    N(store)(P.zz[1][j], s[2]);
+  }
+  N(next_plane)(rows, c, ratio, -1, &P);
+#endif
+  for (int k = 0; k < DEEP; k++) {
+    for (int j = 0; j < DIM * SIDE; j++) N(fetch)(ahead + (k * DIM * SIDE + j) * SIDE);
+    N(find_plane_stresses)(rows, c, ratio, k, &P);
+#if DIM == 3
+    N(next_plane)(rows, c, ratio, k, &P);
+#endif
+    N(add_rows)(&P, &C, ratio, k, y);
+  }
 }

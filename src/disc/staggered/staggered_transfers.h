@@ -1,0 +1,185 @@
+/// Restriction and prolongation of one block, for DIM = 2 or 3: part of staggered_blocks.h.
+// A block is copied with a margin of one cell into an array of its own ("padded"), so that nothing below asks what
+// lies where.
+
+#if DIM == 3
+#define AT(i, j, k) (((k) + 1) * (SIDE + 2) * PAD_X + ((j) + 1) * PAD_X + (i) + PAD_LEFT)
+#define STEP_Z ((SIDE + 2) * PAD_X)
+#else
+#define AT(i, j, k) (((j) + 1) * PAD_X + (i) + PAD_LEFT)
+#define STEP_Z 0
+#endif
+#define PAD_LEFT 8 // rows start at a multiple of a register, so that most loads cross no cache line
+#define PAD_X (SIDE + 16)
+#define PADDED (PAD_X * (SIDE + 2) * PAD_Z)
+#define HALF (SIDE / 2)
+#define DEEP_HALF (DIM == 3 ? DEEP / 2 : 1)
+
+/// Copy a block with its margin; `skip`: values before those of the component.
+ALWAYS void pad(const float *const near[N_NEAR], LitheCount skip, float *padded) {
+  for (int k = FIRST_K; k < DEEP - FIRST_K; k++)
+    for (int j = -1; j <= SIDE; j++) {
+      const float *const *row = near +
+                                9 * (k < 0       ? 0
+                                     : k >= DEEP ? 2
+                                                 : DIM == 3) +
+                                3 * (j < 0       ? 0
+                                     : j >= SIDE ? 2
+                                                 : 1);
+      const LitheCount at = skip + ((k & (DEEP - 1)) * SIDE + (j & (SIDE - 1))) * SIDE;
+      float *to = padded + AT(0, j, k);
+      to[-1] = row[0][at + SIDE - 1];
+      for (int i = 0; i < SIDE; i += LANES_F) store_f(to + i, load_f(row[1] + at + i));
+      to[SIDE] = row[2][at];
+    }
+}
+
+/// Block at a place, -1 where there is none.
+static LitheIndex block_at_place(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
+  if (i < 0 || j < 0 || k < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2])
+    return -1;
+  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
+}
+
+/// Values around a place whose own block may be missing; false where there is nothing at all.
+static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3], LthFastVector v,
+                            const float *near[N_NEAR]) {
+  bool any = false;
+  for (int i = 0; i < N_NEAR; i++) {
+    LitheIndex block = block_at_place(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
+                                      place[2] + (DIM == 3 ? i / 9 - 1 : 0));
+    near[i] = block < 0 ? no_values_f : block_of(v, block);
+    any |= block >= 0;
+  }
+  return any;
+}
+
+/// Fine place and offset in coarse cells of the `child`th part of a coarse block.
+static void child_of(const LthSparseGrid *coarse, LitheIndex block, int child, LitheIndex place[3],
+                     int offset[3]) {
+  for (int a = 0; a < 3; a++) {
+    int high = child >> a & 1;
+    place[a] = DIM == 2 && a == 2 ? 0 : 2 * coarse->place[3 * (LitheCount)block + a] + high;
+    offset[a] = high * HALF;
+  }
+}
+
+/// Weighted pair of rows: fine row j from coarse rows around it, along (`own`) or across the component.
+ALWAYS void blend(bool own, int j, const float *restrict below, const float *restrict here,
+                  const float *restrict above, float *restrict out) {
+  if (own && !(j & 1))
+    for (int i = 0; i < SIDE; i++) out[i] = here[i];
+  else if (own)
+    for (int i = 0; i < SIDE; i++) out[i] = 0.5F * (here[i] + above[i]);
+  else {
+    const float *restrict far = j & 1 ? above : below;
+    for (int i = 0; i < SIDE; i++) out[i] = 0.75F * here[i] + 0.25F * far[i];
+  }
+}
+
+/// Component a of a fine block from the padded coarse one that it is a part of.
+ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restrict out) {
+  enum { ROWS = HALF + 2, LAYERS = DIM == 3 ? HALF + 2 : 1 };
+  _Alignas(64) float x[LAYERS][ROWS][SIDE], xy[LAYERS][SIDE][SIDE];
+  for (int K = 0; K < LAYERS; K++)
+    for (int J = 0; J < ROWS; J++) {
+      const float *from = c + AT(offset[0], offset[1] + J - 1, (DIM == 3 ? offset[2] + K - 1 : 0));
+      for (int i = 0; i < HALF; i++) {
+        x[K][J][2 * i] = a == 0 ? from[i] : 0.75F * from[i] + 0.25F * from[i - 1];
+        x[K][J][2 * i + 1] =
+            a == 0 ? 0.5F * (from[i] + from[i + 1]) : 0.75F * from[i] + 0.25F * from[i + 1];
+      }
+    }
+  for (int K = 0; K < LAYERS; K++)
+    for (int j = 0; j < SIDE; j++) {
+      int J = j / 2 + 1;
+      blend(a == 1, j, x[K][J - 1], x[K][J], x[K][J + 1], DIM == 3 ? xy[K][j] : out + j * SIDE);
+    }
+#if DIM == 3
+  for (int k = 0; k < DEEP; k++)
+    for (int j = 0; j < SIDE; j++) {
+      int K = k / 2 + 1;
+      blend(a == 2, k, xy[K - 1][j], xy[K][j], xy[K + 1][j], out + (k * SIDE + j) * SIDE);
+    }
+#endif
+}
+
+LTH_CLONES
+static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
+                         bool add) {
+  _Alignas(64) float c[DIM][PADDED], out[CELLS];
+  const float *near[N_NEAR];
+  find_near_f(coarse->grid, block, coarse->x.at, coarse->x.stride, no_values_f, near);
+  for (int a = 0; a < DIM; a++) pad(near, a * CELLS, c[a]);
+  if (coarse->pull) {
+    find_near_f(coarse->grid, block, coarse->pull, BLOCK, no_values_f, near);
+    for (int a = 0; a < DIM; a++) {
+      _Alignas(64) float pull[PADDED];
+      pad(near, a * CELLS, pull);
+      for (int i = 0; i < PADDED; i++) c[a][i] *= pull[i];
+    }
+  }
+  for (int child = 0; child < 1 << DIM; child++) {
+    LitheIndex place[3];
+    int offset[3];
+    child_of(coarse->grid, block, child, place, offset);
+    LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
+    if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
+    const float *scale = scale_of(fine, to), same = fine->same_scale[to];
+    for (int a = 0; a < DIM; a++) {
+      float *restrict x = block_of(fine->x, to) + a * CELLS;
+      interpolate(c[a], a, offset, out);
+      for (int i = 0; i < CELLS; i++) out[i] *= scale ? scale[a * CELLS + i] : same;
+      if (add)
+        for (int i = 0; i < CELLS; i++) x[i] += out[i];
+      else
+        memcpy(x, out, sizeof out);
+    }
+  }
+}
+
+/// Transposed weights along one axis: coarse value I from fine ones 2 I - 1 ... 2 I + 2, `step` apart.
+ALWAYS float gather4(const float *at, int step, bool own) {
+  return own ? at[0] + 0.5F * (at[-step] + at[step])
+             : 0.75F * (at[0] + at[step]) + 0.25F * (at[-step] + at[2 * step]);
+}
+
+/// Component a of a part of a coarse block (in coarse cells, SIDE apart) from the padded fine block below it.
+ALWAYS void collect(const float *f, int a, float *restrict out) {
+  _Alignas(64) float z[DEEP_HALF][SIDE + 2][PAD_X], yz[DEEP_HALF][HALF][PAD_X];
+  for (int K = 0; K < DEEP_HALF; K++)
+    for (int j = -1; j <= SIDE; j++)
+      for (int i = -1; i <= SIDE; i++)
+        z[K][j + 1][i + PAD_LEFT] =
+            DIM == 3 ? gather4(f + AT(i, j, 2 * K), STEP_Z, a == 2) : f[AT(i, j, 0)];
+  for (int K = 0; K < DEEP_HALF; K++)
+    for (int J = 0; J < HALF; J++)
+      for (int i = -1; i <= SIDE; i++)
+        yz[K][J][i + PAD_LEFT] = gather4(&z[K][2 * J + 1][i + PAD_LEFT], PAD_X, a == 1);
+  for (int K = 0; K < DEEP_HALF; K++)
+    for (int J = 0; J < HALF; J++)
+      for (int I = 0; I < HALF; I++)
+        out[(K * SIDE + J) * SIDE + I] = gather4(&yz[K][J][2 * I + PAD_LEFT], 1, a == 0);
+}
+
+LTH_CLONES
+static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
+  _Alignas(64) float f[PADDED];
+  const float *near[N_NEAR];
+  float *b = block_of(coarse->b, block);
+  memset(b, 0, sizeof *b * BLOCK);
+  for (int child = 0; child < 1 << DIM; child++) {
+    LitheIndex place[3];
+    int offset[3];
+    child_of(coarse->grid, block, child, place, offset);
+    if (!find_near_place(fine->grid, place, fine->y, near)) continue;
+    int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
+    for (int a = 0; a < DIM; a++) {
+      pad(near, a * CELLS, f);
+      collect(f, a, b + a * CELLS + first);
+    }
+  }
+  if (!coarse->pull) return;
+  const float *pull = coarse->pull + (LitheCount)block * BLOCK;
+  for (int i = 0; i < BLOCK; i++) b[i] *= pull[i];
+}
