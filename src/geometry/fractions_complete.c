@@ -62,20 +62,19 @@ static void copy_parts(LitheCtx *ctx, const Change *c) {
     }
 }
 
-static void exchange(LthFractions *f, Change *c) {
-  uint16_t *cell = f->cell;
-  LitheCount *first = f->first;
-  double *part = f->part;
+/// Put the new parts in place of the old ones, which `before` gets.
+static void exchange(LthFractions *f, Change *c, LthFractions *before) {
+  *before = *f;
   f->cell = c->cell;
   f->first = c->first;
   f->part = c->part;
-  c->cell = cell;
-  c->first = first;
-  c->part = part;
+  c->cell = NULL;
+  c->first = NULL;
+  c->part = NULL;
 }
 
 LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *f, LthPartChange change,
-                                 const void *self) {
+                                 const void *self, LthFractions *before) {
   LitheStatus status = LITHE_OK;
   const LthSparseGrid *g = f->grid;
   Change c = {.old = f, .change = change, .self = self};
@@ -90,7 +89,7 @@ LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *f, LthPartChange c
   }
   LTH_NEW_OR(done, ctx, c.part, c.first[g->n_blocks] * f->n_parts);
   copy_parts(ctx, &c);
-  exchange(f, &c);
+  exchange(f, &c, before);
   f->volume = sum * lth_sparse_grid_cell_volume(g) / f->n_parts;
 done:
   lth_free(ctx, c.cell);
@@ -114,7 +113,7 @@ static void fill_parts(const void *filling, LitheCount slot, double *part) {
 }
 
 LitheStatus lth_fractions_complete(LitheCtx *ctx, LthFractions *f, LthPartChoice choose,
-                                   const void *self) {
+                                   const void *self, LthFractions *before) {
   LitheStatus status = LITHE_OK;
   Filling filling = {.fractions = f};
   LitheCount n = f->grid->n_slots;
@@ -123,9 +122,16 @@ LitheStatus lth_fractions_complete(LitheCtx *ctx, LthFractions *f, LthPartChoice
 #pragma omp parallel for schedule(dynamic, 2048) num_threads(lth_threads(ctx))
   for (LitheCount slot = 0; slot < n; slot++)
     if (f->cell[slot] != LTH_CELL_FULL) filling.mask[slot] = choose(self, slot);
-  LITHE_TRY_OR(done, lth_fractions_change(ctx, f, fill_parts, &filling));
+  LITHE_TRY_OR(done, lth_fractions_change(ctx, f, fill_parts, &filling, before));
   f->volume = volume;
 done:
   lth_free(ctx, filling.mask);
   return status;
+}
+
+void lth_fractions_forget(LitheCtx *ctx, LthFractions *before) {
+  lth_free(ctx, before->cell);
+  lth_free(ctx, before->first);
+  lth_free(ctx, before->part);
+  *before = (LthFractions){0};
 }

@@ -7,13 +7,15 @@
 /// that are full.
 typedef void (*LthPartChange)(const void *self, LitheCount slot, double *part);
 
-/// Change parts; `volume` is that of what they have become.
+/// Change parts; `volume` is that of what they have become. `before` gets the parts as they were: it borrows the grid of
+/// `fractions`, and its arrays are freed by lth_fractions_forget().
 LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *fractions, LthPartChange change,
-                                 const void *self);
+                                 const void *self, LthFractions *before);
+void lth_fractions_forget(LitheCtx *ctx, LthFractions *before);
 
 /// Bit q set: part q of a slot's cell is to be full. Thread-safe; not asked of cells that are.
 typedef uint8_t (*LthPartChoice)(const void *self, LitheCount slot);
 
 /// Make the chosen parts full. `volume` stays that of the shape.
 LitheStatus lth_fractions_complete(LitheCtx *ctx, LthFractions *fractions, LthPartChoice choose,
-                                   const void *self);
+                                   const void *self, LthFractions *before);

@@ -113,11 +113,13 @@ LitheStatus lth_fractions_mirror(LitheCtx *ctx, LthFractions *fractions, const L
   const LthSparseGrid *g = fractions->grid;
   Mirrored s = {.fractions = fractions, .mirrors = mirrors, .n_mirrors = n_mirrors};
   LthProbe *probe = NULL;
+  LthFractions before = {0};
   s.scale = fmin(g->h[0], g->dim == 3 ? fmin(g->h[1], g->h[2]) : g->h[1]);
   LITHE_TRY_OR(done, lth_probe_create(ctx, shape, s.scale, &probe));
   s.smoother = lth_fraction_smoother(probe, def, g->dim, g->h);
-  LITHE_TRY_OR(done, lth_fractions_change(ctx, fractions, change_parts, &s));
+  LITHE_TRY_OR(done, lth_fractions_change(ctx, fractions, change_parts, &s, &before));
 done:
+  lth_fractions_forget(ctx, &before);
   lth_probe_destroy(ctx, &probe);
   return status;
 }

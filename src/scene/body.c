@@ -12,6 +12,7 @@ static LitheStatus build_operator(LitheCtx *ctx, LthBody *body) {
                          .penalty = def->penalty,
                          .eta = def->eta,
                          .warped = body->warped,
+                         .held = body->strong ? lth_dg_strong_held(body->strong) : NULL,
                          .weak = body->weak,
                          .n_weak = body->n_weak};
   return lth_dg_operator_create(ctx, &op, &body->op);

@@ -3,6 +3,7 @@
 
 #include "base/tensor.h"
 #include "geometry/fractions_complete.h"
+#include "scene/expression.h"
 
 #include <string.h>
 
@@ -35,6 +36,23 @@ static bool selects(const void *self, const double x[3]) {
   return contains_either(h->where, &place);
 }
 
+static bool holds_wholly(const LthBody *body, const LthSceneConstraint *c) {
+  bool all = !c->normal_only;
+  for (int a = 0; a < body->scene->dimension; a++) all = all && c->fixed[a];
+  return all;
+}
+
+/// All components by a displacement that is the same everywhere.
+static bool is_wall(const LthBody *body, const LthSceneConstraint *c) {
+  bool even = holds_wholly(body, c) && !c->is_position;
+  for (int a = 0; a < body->scene->dimension; a++) {
+    const LthValue *v = &c->value[a];
+    even = even && (!v->eval || (v->eval == lth_expression_eval &&
+                                 !(lth_expression_uses(v->self) & ~LTH_USES_T)));
+  }
+  return even;
+}
+
 static void add_hold(LthBody *body, LitheIndex constraint, int axis, double sign) {
   LthStaggeredBody *s = body->staggered;
   const LthSceneConstraint *c = body->def->constraints + constraint;
@@ -47,7 +65,10 @@ static void add_hold(LthBody *body, LitheIndex constraint, int axis, double sign
                           .axis = axis,
                           .sign = sign,
                           .value = c->value[0]};
-  *hold = (LthStaggeredHold){.selects = selects, .self = place, .is_position = c->is_position};
+  *hold = (LthStaggeredHold){.selects = selects,
+                             .self = place,
+                             .is_position = c->is_position,
+                             .is_wall = is_wall(body, c)};
   memcpy(hold->value, c->value, sizeof hold->value);
   memcpy(hold->fixed, c->fixed, sizeof hold->fixed);
   if (!c->normal_only) return;
@@ -58,12 +79,6 @@ static void add_hold(LthBody *body, LitheIndex constraint, int axis, double sign
     hold->value[axis] = (LthValue){.eval = against, .self = place};
   else if (sign < 0)
     hold->value[axis].constant = -c->value[0].constant;
-}
-
-static bool holds_wholly(const LthBody *body, const LthSceneConstraint *c) {
-  bool all = !c->normal_only;
-  for (int a = 0; a < body->scene->dimension; a++) all = all && c->fixed[a];
-  return all;
 }
 
 // --- sides that are held count as full ---
@@ -190,7 +205,7 @@ LitheStatus lth_staggered_hold_sides(LitheCtx *ctx, LthBody *body) {
     if (!c->normal_only) add_hold(body, i, 0, 1);
     if (c->normal_only) LITHE_TRY(check_roller(ctx, body, i));
   }
-  return n > 0 ? lth_fractions_complete(ctx, s->fractions, choose_parts, body) : LITHE_OK;
+  return n > 0 ? lth_fractions_complete(ctx, s->fractions, choose_parts, body, &s->own) : LITHE_OK;
 }
 
 /// Would some unknown be held by constraint i, were there no others?

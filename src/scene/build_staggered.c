@@ -2,6 +2,7 @@
 #include "scene/staggered_body.h"
 
 #include "base/tensor.h"
+#include "geometry/fractions_complete.h"
 
 #define CELLS_MAX 1e11  // of the grid, material or not
 #define MIXED_FROM 0.45 // Poisson's ratio
@@ -302,7 +303,7 @@ static LitheStatus build_disc(LitheCtx *ctx, LthBody *body, const LthMaterialFie
                          .formulation = choose_formulation(body),
                          .holds = s->holds,
                          .n_holds = s->n_holds,
-                         .filled = s->filled};
+                         .own = s->own.cell ? &s->own : NULL};
   return blame(ctx, body, "method", lth_staggered_create(ctx, &def, &body->disc));
 }
 
@@ -335,6 +336,7 @@ static void free_wheres(LitheCtx *ctx, LitheIndex n, LthWhereSolid *where) {
 void lth_staggered_body_destroy(LitheCtx *ctx, LthStaggeredBody **body) {
   LthStaggeredBody *s = *body;
   if (!s) return;
+  lth_fractions_forget(ctx, &s->own);
   lth_fractions_destroy(ctx, &s->fractions);
   lth_free(ctx, s->filled);
   free_wheres(ctx, s->n_constraints, s->constraint_where);

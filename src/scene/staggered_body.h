@@ -18,6 +18,7 @@ typedef struct LthHoldPlace {
 
 struct LthStaggeredBody {
   LthFractions *fractions; ///< sides that are held are full once constraints are built
+  LthFractions own;        ///< as the shape has them, where constraints made parts full; else empty
   double volume;           ///< of the shape, as its fractions have it [m^3]
   double h, diagonal;      ///< shortest edge of a cell and its diagonal [m]
   float *filled;           ///< fraction of each cell before held sides were made full  (n_slots)

@@ -75,6 +75,7 @@ LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def,
   op->kind = def->penalty;
   op->eta = def->eta;
   op->warped = def->warped;
+  op->held = def->held;
   op->faces_only = def->faces_only;
   LITHE_TRY_OR(done, copy_materials(ctx, def, op));
   LTH_NEW_OR(done, ctx, op->rotation, 9 * (LitheCount)def->space->n_cells);

@@ -19,9 +19,10 @@ typedef struct LthDgOperatorDef {
   const double *young, *poisson; ///< per cell (mean)                     (n_cells)
   LthFlux flux;
   LthPenaltyKind penalty;
-  double eta;                    ///< for the eta kinds
-  bool warped;                   ///< stiffness warping (corotated)
-  bool faces_only;               ///< terms of inner faces alone: the cells are another operator's
+  double eta;          ///< for the eta kinds
+  bool warped;         ///< stiffness warping (corotated)
+  bool faces_only;     ///< terms of inner faces alone: the cells are another operator's
+  const uint8_t *held; ///< unknowns that move as prescribed; borrowed for life; NULL: none (n_dofs)
   const LthWeakConstraint *weak; ///< copied; the patches are borrowed
   LitheIndex n_weak;
 } LthDgOperatorDef;

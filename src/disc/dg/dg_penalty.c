@@ -90,6 +90,18 @@ static bool is_linear(const LthDgOperator *op, const LthDgFace *face, int s) {
   return op->space->degree[face->cell[s]] == 1;
 }
 
+/// All components of the element move as prescribed.
+static bool is_rigid(const LthDgOperator *op, LitheIndex cell) {
+  const uint8_t *held = op->held ? op->held + 3 * (LitheCount)op->space->func_off[cell] : NULL;
+  return held && held[0] && held[1] && held[2];
+}
+
+/// The side that alone carries the traction, as at a boundary: its neighbour is held and has no stress to share. Or -1.
+static int free_side(const LthDgOperator *op, const LthDgFace *face) {
+  bool rigid[2] = {is_rigid(op, face->cell[0]), is_rigid(op, face->cell[1])};
+  return rigid[0] == rigid[1] ? -1 : rigid[0];
+}
+
 /// Weights of the tractions: more for the side whose bound is lower, so that a thin or stiff element does not
 /// make the face rigid. Beside higher degrees linear functions carry nearly all of it: the bound of the other
 /// side would hold more than their mean jump, and they could not hinge.
@@ -97,6 +109,9 @@ static void set_weights(const LthDgOperator *op, LthDgFace *face) {
   double D[2];
   face->weight[0] = face->weight[1] = 0.5;
   if (op->kind != LTH_PENALTY_AUTO || op->flux == LTH_FLUX_BZ) return;
+  int only = free_side(op, face);
+  for (int s = 0; s < 2 && only >= 0; s++) face->weight[s] = s == only;
+  if (only >= 0) return;
   for (int s = 0; s < 2; s++) {
     LitheIndex cell = face->cell[s];
     D[s] = op->space->trace_constant[cell] * (op->lambda[cell] + 2 * op->mu[cell]);
@@ -119,8 +134,15 @@ static void set_bound(const LthDgOperator *op, const double d[2], LthDgFace *fac
   double along, across;
   bool linear[2] = {is_linear(op, face, 0), is_linear(op, face, 1)};
   bool same = op->space->degree[face->cell[0]] == op->space->degree[face->cell[1]];
+  int only = free_side(op, face);
   for (int s = 0; s < 2; s++) add_side(op, face, s, same ? 0 : s, &face->penalty);
-  if (!linear[0] && !linear[1]) return;
+  if (only >= 0 ? !linear[only] : !linear[0] && !linear[1]) return;
+  if (only >= 0) {
+    const double own[2] = {only == 0 ? d[0] : 0, only == 1 ? d[1] : 0};
+    series_springs(op, face->cell, own, false, &along, &across);
+    add_springs(&face->penalty, same ? 0 : only, along, across, half);
+    return;
+  }
   if (linear[0] && linear[1])
     series_springs(op, face->cell, d, false, &along, &across);
   else

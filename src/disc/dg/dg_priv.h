@@ -82,6 +82,7 @@ struct LthDgOperator {
   LthFlux flux;
   LthPenaltyKind kind;
   double eta;
+  const uint8_t *held;
   bool warped, faces_only;
   double *lambda, *mu, *young; ///< per cell [Pa]
   double *rotation;            ///< (n_cells x 9)

@@ -14,6 +14,7 @@ typedef struct LthStaggeredHold {
   const void *self;
   bool fixed[3];
   bool is_position;  ///< value is the deformed place, not the displacement
+  bool is_wall;      ///< holds all components, everywhere by the same displacement
   LthValue value[3]; ///< [m]
 } LthStaggeredHold;
 
@@ -23,6 +24,13 @@ typedef struct LthBoundarySum {
   double wanted[3], given[3]; ///< force that tractions are, and that unknowns got [N]
   double weight[3]; ///< what a difference of the two is spread over: area seen by a component
 } LthBoundarySum;
+
+/// Beyond a held side a free unknown carries what is not the body's, `volume` of its box too much; a held one beside
+/// it takes that off again. Unknowns by 3 function + component.
+typedef struct LthStaggeredBeyond {
+  LitheCount free, held;
+  double volume; ///< share of a cell
+} LthStaggeredBeyond;
 
 typedef enum LthFormulation { LTH_FORM_DISPLACEMENT, LTH_FORM_MIXED } LthFormulation;
 
@@ -35,8 +43,8 @@ typedef struct LthStaggeredDef {
   LthFormulation formulation;
   const LthStaggeredHold *holds; ///< borrowed for life                          (n_holds)
   LitheIndex n_holds;
-  const float
-      *filled; ///< fractions of cells before held sides became full (n_slots), NULL: none did
+  const LthFractions *
+      own; ///< fractions before held sides became full, on the same grid; borrowed for life; NULL: none did
   double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
 } LthStaggeredDef;
 
@@ -64,7 +72,9 @@ typedef struct LthStaggered {
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
-  const float *filled;  ///< as in the definition
+  const LthFractions *own;    ///< as in the definition
+  LthStaggeredBeyond *beyond; ///< what free unknowns carry beyond held sides     (n_beyond)
+  LitheCount n_beyond, cap_beyond;
   double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
   double *partial;      ///< scratch of sums                           (grid->n_blocks)
   LthBoundarySum *sums; ///< scratch of loads                          (grid->n_blocks)

@@ -3,6 +3,7 @@
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_slot.h"
 
+#include <math.h>
 #include <string.h>
 
 static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
@@ -167,7 +168,8 @@ static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredL
   return sum / (fine->grid->dim == 3 ? 8 : 4);
 }
 
-/// Mass of a coarse face: fine faces in it, and half of those a fine cell to both sides.
+/// Mass of a coarse face: fine faces in it, and half of those a fine cell to both sides. Held ones may have less than
+/// none (staggered_beyond.c).
 static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   static const double along[3] = {0.25, 0.5, 0.25};
   LitheIndex low[3], high[3];
@@ -178,7 +180,7 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
     for (LitheIndex k = low[2]; k <= high[2]; k++)
       for (LitheIndex j = low[1]; j <= high[1]; j++)
         for (LitheIndex i = low[0]; i <= high[0]; i++)
-          sum += along[s] * value_at(fine->mass[a], lth_slot_of(fine->grid, i, j, k));
+          sum += along[s] * fmax(0, value_at(fine->mass[a], lth_slot_of(fine->grid, i, j, k)));
   }
   return sum / (fine->grid->dim == 3 ? 4 : 2);
 }

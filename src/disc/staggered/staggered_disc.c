@@ -13,8 +13,8 @@ static void destroy(LitheCtx *ctx, LthDisc *disc) {
   lth_staggered_solver_destroy(ctx, s);
   s->level.volume = NULL; // freed below
   lth_staggered_level_free(ctx, &s->level);
-  void *blocks[] = {s->volume, s->func,    s->slot, s->cell,   s->cell_slot, s->held, s->hold,
-                    s->f0,     s->partial, s->sums, s->degree, s->row_func,  s};
+  void *blocks[] = {s->volume, s->func, s->slot,    s->cell, s->cell_slot, s->held,     s->hold,
+                    s->beyond, s->f0,   s->partial, s->sums, s->degree,    s->row_func, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
 }
 
@@ -125,7 +125,7 @@ static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s)
   s->formulation = def->formulation;
   s->holds = def->holds;
   s->n_holds = def->n_holds;
-  s->filled = def->filled;
+  s->own = def->own;
 }
 
 /// Rule A, and no cell that hangs loose.
@@ -165,10 +165,12 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(
       lth_staggered_weigh(ctx, s, def->least_fraction > 0 ? def->least_fraction : LEAST_FRACTION));
   lth_staggered_mark_held(s);
+  lth_staggered_stiffen_walls(s);
   LITHE_TRY(settle(ctx, s));
   LITHE_TRY(number(ctx, s));
   LITHE_TRY(describe(ctx, s));
   LITHE_TRY(lth_staggered_build_holds(ctx, s));
+  LITHE_TRY(lth_staggered_build_beyond(ctx, s));
   LITHE_TRY(lth_mixed_state_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
   LITHE_TRY(lth_staggered_solver_create(ctx, s));

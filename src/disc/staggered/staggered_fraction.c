@@ -1,16 +1,25 @@
 /// Fractions of single control volumes, and loops over functions.
 #include "disc/staggered/staggered_priv.h"
 
-double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot,
-                                   const int stride[3], int a) {
+static double face_fraction(const LthFractions *f, const LitheCount *slot, const int stride[3],
+                            int a) {
   double sum = 0;
-  int n = 1 << s->dim;
-  for (int q = 0; q < n;
+  for (int q = 0; q < f->n_parts;
        q++) { // part q of a cell: the high half of the one before, the low of this
     LitheCount cell = slot[q >> a & 1 ? -stride[a] : 0];
-    if (cell >= 0) sum += lth_fractions_part(s->fractions, cell, q);
+    if (cell >= 0) sum += lth_fractions_part(f, cell, q);
   }
-  return sum / n;
+  return sum / f->n_parts;
+}
+
+double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot,
+                                   const int stride[3], int a) {
+  return face_fraction(s->fractions, slot, stride, a);
+}
+
+double lth_staggered_own_fraction(const LthStaggered *s, const LitheCount *slot,
+                                  const int stride[3], int a) {
+  return face_fraction(s->own ? s->own : s->fractions, slot, stride, a);
 }
 
 double lth_staggered_edge_fraction(const LthStaggered *s, const LitheCount *slot,
@@ -38,22 +47,4 @@ void lth_staggered_visit(const LthStaggered *s,
       if (s->func[*slot] >= 0) visit(s, s->func[*slot], slot, halo.stride, self);
     }
   }
-}
-
-double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
-                               int a) {
-  double own = 0, all = 0, x[3];
-  if (!s->filled) return 1;
-  for (int side = 0; side < 2; side++) {
-    LitheCount cell = slot[side ? -stride[a] : 0];
-    if (cell < 0) continue;
-    own += (double)s->filled[cell];
-    all += lth_fractions_cell(s->fractions, cell); // as it is now, with its held sides
-  }
-  if (all <= own + 1e-6) return 1;
-  if (s->level.state[a][*slot] != LTH_UNKNOWN_HELD) {
-    lth_staggered_slot_place(s, *slot, a, x);
-    if (!s->shape || lth_shape_value(s->shape, x) <= 0) return 1;
-  }
-  return own / all;
 }

@@ -38,10 +38,9 @@ static void drop_slot(LthStaggered *s, const LitheCount *slot, const int stride[
     uint8_t *state = &s->level.state[a][*slot];
     if (*state == LTH_UNKNOWN_HELD && !is_read(&s->level, slot, stride, a))
       *state = LTH_UNKNOWN_DEAD;
-    if (*state == LTH_UNKNOWN_DEAD)
-      s->level.mass[a][*slot] = 0;
-    else
-      s->level.mass[a][*slot] *= lth_staggered_own_share(s, slot, stride, a);
+    if (*state == LTH_UNKNOWN_DEAD) s->level.mass[a][*slot] = 0;
+    double full = s->own ? lth_staggered_face_fraction(s, slot, stride, a) : 0;
+    if (full > 0) s->level.mass[a][*slot] *= lth_staggered_own_fraction(s, slot, stride, a) / full;
   }
 }
 

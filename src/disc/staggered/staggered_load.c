@@ -28,9 +28,7 @@ static void visit_body_force(const LthStaggered *s, LitheIndex func, const Lithe
   for (int a = 0; a < s->dim; a++) {
     if (!lth_staggered_slot_alive(s, a, *slot)) continue;
     lth_staggered_place(s, func, a, at);
-    double share = lth_staggered_own_share(s, slot, stride, a);
-    l->f[3 * (LitheCount)func + a] += volume * share *
-                                      lth_staggered_face_fraction(s, slot, stride, a) *
+    l->f[3 * (LitheCount)func + a] += volume * lth_staggered_own_fraction(s, slot, stride, a) *
                                       lth_value_at(&l->load->value[a], at, l->t);
   }
 }
@@ -214,5 +212,6 @@ LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const Lth
   Loading l = {.load = load, .t = t, .factor = 1, .x = x, .f = f};
   if (load->kind != LTH_LOAD_BODY_FORCE) return add_boundary(ctx, s, &l);
   lth_staggered_visit(s, visit_body_force, &l);
+  lth_staggered_load_beyond(s, load, t, f);
   return LITHE_OK;
 }

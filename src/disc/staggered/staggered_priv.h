@@ -43,10 +43,9 @@ double lth_staggered_face_fraction(const LthStaggered *s, const LitheCount *slot
 double lth_staggered_edge_fraction(const LthStaggered *s, const LitheCount *slot,
                                    const int stride[3], int e);
 
-/// Part of what is around an unknown that is the solid's own: held sides are full, but have no weight on unknowns that are
-/// held or beyond the surface. (Free ones inside of it take the load of their whole box, as in the interior.)
-double lth_staggered_own_share(const LthStaggered *s, const LitheCount *slot, const int stride[3],
-                               int a);
+/// The same of the body alone: sides that are held count as the shape has them.
+double lth_staggered_own_fraction(const LthStaggered *s, const LitheCount *slot,
+                                  const int stride[3], int a);
 
 /// Call `visit` for every function with the slots around its own, on all threads.
 void lth_staggered_visit(const LthStaggered *s,
@@ -69,6 +68,20 @@ void lth_staggered_drop_unread(LthStaggered *s);
 
 /// Fill `held` and `hold` once functions have numbers.
 LitheStatus lth_staggered_build_holds(LitheCtx *ctx, LthStaggered *s);
+
+// staggered_beyond.c
+
+/// After functions have numbers: free unknowns inside the surface take the load and mass of their whole box, as in the
+/// interior; what of it lies beyond a held side their held neighbours take off, so that all adds up to the body's.
+LitheStatus lth_staggered_build_beyond(LitheCtx *ctx, LthStaggered *s);
+
+/// f += such loads of a body force at time t.
+void lth_staggered_load_beyond(const LthStaggered *s, const LthLoad *load, double t, double *f);
+
+// staggered_wall.c
+
+/// Samples between free unknowns and held ones get the stiffness of the way to where the hold begins.
+void lth_staggered_stiffen_walls(LthStaggered *s);
 
 // staggered_assemble.c
 

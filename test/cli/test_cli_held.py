@@ -1,0 +1,119 @@
+"""What held sides of bodies do from outside: they carry what the body weighs, and hold where they say."""
+import json
+import math
+import os
+
+from cli import done, expect, folder, run
+
+DISK = """lithe: 1
+dimension: 2
+bodies:
+  - name: disk
+    shape: {disk: {center: [0.013, -0.017], radius: 1}}
+    material: {model: linear, young_modulus: 1 kPa, poisson_ratio: 0.3, density: 2}
+    method: {kind: staggered, cells: 16}
+    constraints: [{where: all, displacement: [0, 0]}]
+gravity: [0, -10]
+time: {kind: static}
+solver: {tolerance: 1e-11}
+probes:
+  - {name: middle, point: [0.013, -0.017]}
+  - {name: rim, point: [0.613, 0.683]}
+output: {every: last, fields: [none]}
+"""
+# A pillar off the grid's lines, its foot in a socket that ends between unknowns.
+PILLAR = """lithe: 1
+bodies:
+  - name: pillar
+    shape: {cylinder: {from: [0, -1, 0], to: [0.3, 3, 0.1], radius: 1}}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: staggered, cells: 14}
+    constraints:
+      - {where: {plane: {point: [0, 0.1, 0], normal: [0, -1, 0]}}, interior: true, displacement: [0, 0, 0]}
+gravity: [1, -10, 2]
+time: {kind: static}
+solver: {tolerance: 1e-11}
+output: {every: last, fields: [none]}
+"""
+# The same beam twice: its end in a socket that the elements' faces meet, and without what is in there.
+BEAM = """lithe: 1
+bodies:
+  - name: beam
+    shape: {box: {min: [%g, 0, 0], max: [2, 0.5, 0.5]}}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cell_size: 0.25, degree: %d}
+    constraints:
+      - {where: {box: {min: [-1, -1, -1], max: [0.5, 1, 1]}}, displacement: [0, 0, 0], interior: %s}
+gravity: [0, -10, 0]
+time: {kind: static}
+probes: [{name: tip, point: [2, 0.25, 0.25]}]
+output: {every: last, fields: [none]}
+"""
+
+
+def result(where, text, *sets):
+    with open(os.path.join(where, "scene.yaml"), "w") as stream:
+        stream.write(text)
+    options = [word for change in sets for word in ("--set", change)]
+    got = run("run", "scene.yaml", "--json", "--quiet", "-o", "out", *options, cwd=where)
+    return json.loads(got.stdout) if got.returncode == 0 else {"failed": got.stderr}
+
+
+def near(a, b, tolerance):
+    return abs(a - b) <= tolerance * abs(b)
+
+
+def reaction(r):
+    rows = list(r["reaction"].values())
+    return [sum(row[a] for row in rows) for a in range(3)]
+
+
+def test_curved_boundary():
+    """A disk that is fixed all around: the displacement is zero on the circle and not at unknowns beyond it."""
+    # of 256 and 512 cells, which differ by 5e-4; for 1 kg/m^3 and 9.81 m/s^2
+    energy, middle, rim = 4 * 0.02183, 2 * 0.0028336, 2 * 0.0004247
+    with folder() as d:
+        runs = {n: result(d, DISK, "bodies.0.method.cells=%d" % n) for n in (16, 32, 64)}
+        for n, share in ((16, 0.01), (32, 3e-3), (64, 1e-3)): # 14, 9 and 4 % where unknowns beyond it are at rest
+            r, g = runs[n], 10 / 9.81
+            got = [r["energy"]["strain"] / g**2, math.hypot(*r["probes"]["middle"]["displacement"]) / g,
+                   math.hypot(*r["probes"]["rim"]["displacement"]) / g]
+            told = [got[0] / energy - 1, got[1] / middle - 1, got[2] / rim - 1]
+            expect("within_%g_percent_at_%d_cells" % (100 * share, n),
+                   abs(told[0]) < share and abs(told[1]) < share and abs(told[2]) < 3 * share, told)
+        weight = 2 * 10 * math.pi
+        expect("what_holds_it_carries_its_weight",
+               all(near(reaction(r)[1], weight, 1e-9) for r in runs.values()), [reaction(r) for r in runs.values()])
+        r = result(d, DISK, 'bodies.0.loads=[{body_force: ["x*x", "1+y"]}]')
+        m2 = math.pi * (0.25 + 0.013**2)  # integral of x^2; unknowns are midpoints of boxes
+        expect("so_it_does_with_other_forces", near(reaction(r)[0], -m2, 0.02) and
+               near(reaction(r)[1], weight - math.pi * (1 - 0.017), 1e-3), (reaction(r), m2))
+        r = result(d, DISK, "bodies.0.constraints.0={where: {plane: {point: [0, 0.02], normal: [0, 1]}}, "
+                   "displacement: [null, 0]}", "bodies.0.constraints.1={where: {plane: {point: [0.1, 0], "
+                   "normal: [-1, 0]}}, displacement: [0, null]}")
+        expect("so_do_sides_that_hold_one_component", "failed" not in r and near(reaction(r)[1], weight, 1e-9), r)
+
+
+def test_socket():
+    with folder() as d:
+        for change in ("bodies.0.material.poisson_ratio=0.3", "bodies.0.material.poisson_ratio=0.48",
+                       "bodies.0.constraints.0.displacement=[\"0.01*x\", 0, 0]"):
+            r = result(d, PILLAR, change)
+            weight = 1000 * r["bodies"][0]["volume"]
+            expect("a_pillar_weighs_what_it_is: " + change,
+                   all(near(a, -b * weight, 1e-8) for a, b in zip(reaction(r), (1, -10, 2))), (reaction(r), weight))
+
+
+def test_elements():
+    with folder() as d:
+        for degree, share in ((1, 0.01), (2, 0.002)):
+            deep, cut = [result(d, BEAM % (low, degree, word)) for low, word in ((0, "true"), (0.5, "false"))]
+            tips = [r["probes"]["tip"]["displacement"][1] for r in (deep, cut)]
+            expect("elements_in_a_socket_are_a_wall_to_others_of_degree_%d" % degree, near(*tips, share), tips)
+            expect("which_weighs_all_%d" % degree, near(reaction(deep)[1], 1e4 * 0.5, 1e-9), reaction(deep))
+
+
+test_curved_boundary()
+test_socket()
+test_elements()
+done()
