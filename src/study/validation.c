@@ -1,5 +1,5 @@
 /// The validation book: cases whose answer is known.
-#include "study/study_run.h"
+#include "study/validation_studies.h"
 
 #include <string.h>
 
@@ -33,7 +33,7 @@ static const struct {
     {"cg, hexahedra", {"bodies.0.method={kind: cg, cells: 4}"}, 1},
 };
 
-static LitheStatus patch_test(LthStudyRun *run) {
+LitheStatus lth_study_patch_test(LthStudyRun *run) {
   LthTable *table = lth_study_table(&run->report, "errors",
                                     "Error of the displacement under constant strain", "method");
   int dofs = lth_table_column(table, "unknowns", "", 0);
@@ -58,6 +58,26 @@ static LitheStatus patch_test(LthStudyRun *run) {
 }
 
 const LthStudy lth_studies_validation[] = {
-    {"validation/patch-test", "Patch test: constant strain",
-     "Is a field with constant strain reproduced exactly, whatever the elements are?", patch_test},
+    {"validation/patch-test", "Patch test: constant strain, held all around",
+     "Is a field with constant strain reproduced exactly, whatever the elements are?",
+     lth_study_patch_test},
+    {"validation/tension", "Patch test: constant strain by a load",
+     "Do loads and smooth supports give a field with constant strain exactly?", lth_study_tension},
+    {"validation/cantilever", "Timoshenko's cantilever",
+     "How many unknowns and seconds does bending take to 1 %?", lth_study_cantilever},
+    {"validation/cook", "Cook's membrane", "How many do bending and shear of a tapered slab take?",
+     lth_study_cook},
+    {"validation/cylinder", "Thick-walled cylinder under pressure (Lame)",
+     "Are displacement and stress of a curved wall right?", lth_study_cylinder},
+    {"validation/sphere", "Thick-walled sphere under pressure (Lame)",
+     "Are displacement and stress of a wall curved both ways right?", lth_study_sphere},
+    {"validation/kirsch", "Hole in a plate (Kirsch)",
+     "Is the concentration of stress at a hole found?", lth_study_kirsch},
+    {"validation/le1", "NAFEMS LE1: elliptic membrane", "Is the target of 92.7 MPa met?",
+     lth_study_le1},
+    {"validation/le10", "NAFEMS LE10: thick plate", "Is the target of -5.38 MPa met?",
+     lth_study_le10},
+    {"validation/hertz", "Hertz: a rigid sphere on a half space",
+     "Are force and stress of a contact right?", lth_study_hertz},
+    {"validation/bar", "Free vibration of a bar", "Are its frequencies right?", lth_study_bar},
     {0}};
