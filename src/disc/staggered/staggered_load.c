@@ -67,12 +67,10 @@ static bool find_slope(const LthStaggered *s, const LitheCount *slot, const int 
   return slope[0] != 0 || slope[1] != 0 || slope[2] != 0;
 }
 
-/// The nearest boundary, by the shape or else by the fractions.
-static void find_boundary(const LthStaggered *s, LitheIndex func, Rim *rim) {
+/// The boundary nearest to a place, by the shape or else by the fractions.
+static void find_boundary(const LthStaggered *s, const double at[3], Rim *rim) {
   const double *h = s->grid->h;
   LthFoot foot;
-  double at[3];
-  lth_staggered_place(s, func, rim->a, at);
   double scale = fmin(h[0], s->dim == 3 ? fmin(h[1], h[2]) : h[1]);
   if (s->shape && lth_shape_foot(s->shape, at, scale, &foot)) {
     if (s->dim == 2) foot.normal[2] = 0, foot.point[2] = 0;
@@ -144,6 +142,51 @@ static double rim_force(const LthStaggered *s, const Loading *l, const LitheCoun
   return force;
 }
 
+static bool is_selected(const Loading *l, const Rim *rim) {
+  return !l->load->selects || l->load->selects(l->load->select_self, rim->point, rim->normal);
+}
+
+/// Does the shear sample of components a and b at slot[0] hang on an unknown that is not there? It has no stiffness, for that unknown
+/// would follow whatever stress is given.
+static bool hangs(const LthStaggered *s, const LitheCount *slot, const int stride[3], int a,
+                  int b) {
+  const LitheCount next[2] = {slot[-stride[b]], slot[-stride[a]]};
+  if (*slot < 0 || s->level.shear[3 - a - b][*slot] > 0) return false;
+  for (int k = 0; k < 2; k++) {
+    int component = k ? a : b; // it differs along the other axis
+    const uint8_t *state = s->level.state[component];
+    if (state[*slot] == LTH_UNKNOWN_DEAD) return true;
+    if (next[k] < 0 || state[next[k]] == LTH_UNKNOWN_DEAD) return true;
+  }
+  return false;
+}
+
+/// A sample that hangs has the stress given beside it, P_q, not the one beside the unknown, P: what that makes in the
+/// unknown's row, V_q (P_q - P)_ab / h_b on either side. Without it a shear load acts half a cell inside the body.
+static double hanging_force(const LthStaggered *s, const Loading *l, const LitheCount *slot,
+                            const int stride[3], int a, const double P[3]) {
+  double force = 0, at[3], row[3];
+  for (int b = 0; b < s->dim; b++)
+    for (int k = 0; k < 2 && b != a; k++) {
+      const LitheCount *sample = slot + (k ? stride[b] : 0);
+      if (!hangs(s, sample, stride, a, b)) continue;
+      Rim rim = {.a = a};
+      LitheIndex cell[3];
+      double offset[3] = {0.5, 0.5, 0.5};
+      offset[a] = offset[b] = 0;
+      lth_sparse_grid_cell(s->grid, *sample, cell);
+      lth_sparse_grid_place(s->grid, cell, offset, at);
+      if (s->dim == 2) at[2] = 0;
+      rim.slope[b] = k ? 1 : -1;
+      find_boundary(s, at, &rim);
+      row[b] = 0;
+      if (is_selected(l, &rim)) stress_row(s, l, slot, stride, &rim, row);
+      force += (k ? 1 : -1) * lth_staggered_edge_fraction(s, sample, stride, 3 - a - b) *
+               (row[b] - P[b]) / s->grid->h[b];
+    }
+  return force * lth_sparse_grid_cell_volume(s->grid);
+}
+
 static void visit_boundary(const LthStaggered *s, LitheIndex func, const LitheCount *slot,
                            const int stride[3], void *self) {
   const Loading *l = self;
@@ -151,12 +194,20 @@ static void visit_boundary(const LthStaggered *s, LitheIndex func, const LitheCo
   LthBoundarySum *sum = &l->sum[*slot / s->grid->block_cells];
   for (int a = 0; a < s->dim; a++) {
     Rim rim = {.a = a};
+    double at[3], P[3] = {0}, force = 0;
     if (!lth_staggered_slot_alive(s, a, *slot)) continue;
     if (!find_slope(s, slot, stride, a, rim.slope)) continue;
-    find_boundary(s, func, &rim);
-    if (l->load->selects && !l->load->selects(l->load->select_self, rim.point, rim.normal))
-      continue;
-    double force = rim_force(s, l, slot, stride, &rim, sum);
+    lth_staggered_place(s, func, a, at);
+    find_boundary(s, at, &rim);
+    if (is_selected(l, &rim)) {
+      force = rim_force(s, l, slot, stride, &rim, sum);
+      stress_row(s, l, slot, stride, &rim, P);
+    }
+    if (!l->spreads) {
+      double more = hanging_force(s, l, slot, stride, a, P);
+      sum->given[a] += more;
+      force += more;
+    }
     if (l->f) l->f[3 * (LitheCount)func + a] += force;
   }
 }

@@ -134,6 +134,31 @@ static void total_forces_and_tractions_add_up(void **state) {
     }
 }
 
+static double parabola(const void *self, const double x[3], double t) {
+  (void)self, (void)t;
+  return x[1] * x[1] - 1;
+}
+
+/// A parabola of shear on the end of a beam, as shear samples there without stiffness pass it on.
+static void shear_on_an_end_acts_at_the_end(void **state) {
+  (void)state;
+  for (int n = 8; n <= 32; n *= 2) {
+    const LthShape beam = {.kind = LTH_SHAPE_BOX, .a = {-2, -1, 0}, .b = {2, 1, 0}};
+    double force[3], moment[3], h = 2.0 / n, total = -4. / 3;
+    SgBody b;
+    SgDef def = {
+        .dim = 2, .low = {-2, -1, 0}, .high = {2, 1, 0}, .n = {2 * n, n, 1}, .shape = &beam};
+    LthLoad load = {.kind = LTH_LOAD_TRACTION, .selects = is_right, .value[1].eval = parabola};
+    sg_create(&b, &def);
+    CHECK_OK(b.ctx, lth_disc_add_load(b.ctx, b.disc, &load, 0, NULL, b.f));
+    totals(&b, force, moment);
+    CHECK_NEAR(force[1], total,
+               0.5 * h * h); // the midpoint rule is off by 1/3 h^2, the trapezoidal one by 2/3
+    CHECK_NEAR(moment[2], 2 * total, 2 * h * h);
+    sg_free(&b);
+  }
+}
+
 static bool is_nothing(const void *self, const double point[3], const double normal[3]) {
   (void)self, (void)point, (void)normal;
   return false;
@@ -227,6 +252,7 @@ int main(void) {
       cmocka_unit_test(constant_stress_is_balanced_on_every_unknown_of_cut_bodies),
       cmocka_unit_test(uniform_pressure_is_a_uniform_stress),
       cmocka_unit_test(total_forces_and_tractions_add_up),
+      cmocka_unit_test(shear_on_an_end_acts_at_the_end),
       cmocka_unit_test(loads_that_select_nothing_are_refused),
       cmocka_unit_test(errors_of_the_pulled_annulus_are_those_of_the_theory),
   };
