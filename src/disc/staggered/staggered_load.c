@@ -164,7 +164,7 @@ static bool hangs(const LthStaggered *s, const LitheCount *slot, const int strid
 /// A sample that hangs has the stress given beside it, P_q, not the one beside the unknown, P: what that makes in the
 /// unknown's row, V_q (P_q - P)_ab / h_b on either side. Without it a shear load acts half a cell inside the body.
 static double hanging_force(const LthStaggered *s, const Loading *l, const LitheCount *slot,
-                            const int stride[3], int a, const double P[3]) {
+                            const int stride[3], int a, const double here[3], const double P[3]) {
   double force = 0, at[3], row[3];
   for (int b = 0; b < s->dim; b++)
     for (int k = 0; k < 2 && b != a; k++) {
@@ -177,6 +177,8 @@ static double hanging_force(const LthStaggered *s, const Loading *l, const Lithe
       lth_sparse_grid_cell(s->grid, *sample, cell);
       lth_sparse_grid_place(s->grid, cell, offset, at);
       if (s->dim == 2) at[2] = 0;
+      for (int c = 0; c < 3; c++)
+        at[c] += 0.01 * (here[c] - at[c]); // at a corner: the unknown's own side
       rim.slope[b] = k ? 1 : -1;
       find_boundary(s, at, &rim);
       row[b] = 0;
@@ -204,7 +206,7 @@ static void visit_boundary(const LthStaggered *s, LitheIndex func, const LitheCo
       stress_row(s, l, slot, stride, &rim, P);
     }
     if (!l->spreads) {
-      double more = hanging_force(s, l, slot, stride, a, P);
+      double more = hanging_force(s, l, slot, stride, a, at, P);
       sum->given[a] += more;
       force += more;
     }
