@@ -1,9 +1,9 @@
 /// Time, memory and error of volume fractions: each method on solids at growing resolution, cells along the longest
 /// side; a surface from a file, a ball, a thin shell, a drilled block, two crossing surfaces as one.
 ///
-///   bench_fractions [--csv] [--mesh FILE] [--cells N] [--threads N]
+///   bench_fractions [--csv] [--mesh FILE] [--from N] [--cells N] [--threads N] [--method NAME] [--shape NAME]
 ///
-/// Errors are of the volume, over that in closed form or of the triangles.
+/// Cells go from --from (64) on, doubled up to --cells (256). /// Errors are of the volume, over that in closed form or of the triangles.
 #include "base/tensor.h"
 #include "geometry/fractions.h"
 #include "geometry/shape.h"
@@ -17,8 +17,9 @@
 typedef struct Options {
   bool csv;
   const char *mesh;
-  LitheIndex cells;
+  LitheIndex from, cells;
   int threads;
+  const char *method, *shape; ///< these alone; NULL: all
 } Options;
 
 typedef struct Case {
@@ -77,26 +78,34 @@ static void run(LitheCtx *ctx, const Options *o, const Case *c, LitheIndex cells
 }
 
 static void run_case(LitheCtx *ctx, const Options *o, const Case *c) {
+  if (o->shape && strcmp(o->shape, c->name) != 0) return;
   for (int m = 0; m < METHODS; m++)
-    for (LitheIndex cells = 64; cells <= o->cells; cells *= 2) run(ctx, o, c, cells, m);
+    for (LitheIndex cells = o->from; cells <= o->cells; cells *= 2)
+      if (!o->method || strcmp(o->method, methods[m].name) == 0) run(ctx, o, c, cells, m);
+}
+
+/// A file that is no solid, as it is wrapped: its volume is not known otherwise.
+static void run_wrapped(LitheCtx *ctx, const Options *o, const LthSoup *soup, double volume) {
+  LthWrap *wrap = NULL;
+  check(ctx, lth_wrap_create(ctx, soup, o->mesh, &wrap));
+  LthShape wrapped = {.kind = LTH_SHAPE_WRAP, .wrap = wrap};
+  run_case(ctx, o, &(Case){"wrapped", &wrapped, volume, lth_surface_area(wrap->raw)});
+  lth_wrap_destroy(ctx, &wrap);
 }
 
 static void run_file(LitheCtx *ctx, const Options *o) {
   LthSoup *soup = NULL;
   LthSurface *surface = NULL;
   LthShape mesh = {.kind = LTH_SHAPE_MESH};
+  double volume = NAN;
   check(ctx, lth_soup_read(ctx, o->mesh, &soup));
-  check(ctx, lth_surface_from_soup(ctx, soup, o->mesh, NULL, &surface));
-  mesh.surface = surface;
-  check(ctx, lth_shape_prepare(ctx, &mesh));
-  run_case(ctx, o, &(Case){"mesh", &mesh, lth_surface_volume(surface), lth_surface_area(surface)});
-
-  LthWrap *wrap = NULL;
-  check(ctx, lth_wrap_create(ctx, soup, o->mesh, &wrap));
-  LthShape wrapped = {.kind = LTH_SHAPE_WRAP, .wrap = wrap};
-  run_case(ctx, o,
-           &(Case){"wrapped", &wrapped, lth_surface_volume(surface), lth_surface_area(surface)});
-  lth_wrap_destroy(ctx, &wrap);
+  if (lth_surface_from_soup(ctx, soup, o->mesh, NULL, &surface) == LITHE_OK) {
+    mesh.surface = surface;
+    volume = lth_surface_volume(surface);
+    check(ctx, lth_shape_prepare(ctx, &mesh));
+    run_case(ctx, o, &(Case){"mesh", &mesh, volume, lth_surface_area(surface)});
+  }
+  run_wrapped(ctx, o, soup, volume);
   lth_shape_free(ctx, &mesh);
   lth_surface_destroy(ctx, &surface);
   lth_soup_destroy(ctx, &soup);
@@ -118,7 +127,7 @@ static void run_shapes(LitheCtx *ctx, const Options *o) {
 }
 
 int main(int argc, char **argv) {
-  Options o = {.cells = 256};
+  Options o = {.from = 64, .cells = 256};
   for (int i = 1; i < argc; i++) {
     bool has_value = i + 1 < argc;
     if (!strcmp(argv[i], "--csv"))
@@ -127,8 +136,14 @@ int main(int argc, char **argv) {
       o.mesh = argv[++i];
     else if (!strcmp(argv[i], "--cells") && has_value)
       o.cells = atoi(argv[++i]);
+    else if (!strcmp(argv[i], "--from") && has_value)
+      o.from = atoi(argv[++i]);
     else if (!strcmp(argv[i], "--threads") && has_value)
       o.threads = atoi(argv[++i]);
+    else if (!strcmp(argv[i], "--method") && has_value)
+      o.method = argv[++i];
+    else if (!strcmp(argv[i], "--shape") && has_value)
+      o.shape = argv[++i];
     else
       return fprintf(stderr, "bench_fractions: unknown option %s\n", argv[i]), 2;
   }

@@ -4,6 +4,7 @@
 #include "base/tensor.h"
 
 #define SAMPLES_MAX 64 ///< along a cell
+#define MAP_CELLS 4    ///< of the grid, along one of a map that is asked for blocks alone
 
 static LitheStatus check_def(LitheCtx *ctx, const LthFractionDef *def) {
   if (def->method == LTH_FRACTIONS_SAMPLES &&
@@ -31,7 +32,8 @@ LitheStatus lth_fractions_create(LitheCtx *ctx, const LthShape *shape, int dim,
   *fractions = NULL;
   LITHE_TRY(check_def(ctx, def));
   for (int a = 1; a < dim; a++) smallest = fmin(smallest, h[a]);
-  LITHE_TRY_OR(done, lth_probe_create(ctx, shape, smallest, &probe));
+  bool by_parts = shape->kind == LTH_SHAPE_WRAP || def->method == LTH_FRACTIONS_EXACT;
+  LITHE_TRY_OR(done, lth_probe_create(ctx, shape, (by_parts ? MAP_CELLS : 1) * smallest, &probe));
   LthSampler sampler = {.probe = probe, .samples = def->samples};
   LthSmoother smoother = lth_fraction_smoother(probe, def, dim, h);
   LthFractionFiller filler = {&sampler, lth_fraction_sample_side, lth_fraction_fill_samples};

@@ -11,8 +11,7 @@
 #define LEAF_HALVINGS 1 ///< of parts of shapes without a form
 #define LINES 6         ///< along the sides of the last boxes
 #define PLANES_MAX 16
-#define FLAT 0.95   ///< cosine between triangles that count as one plane
-#define BESIDE 1e-3 ///< of a box's size: where the sides of a triangle are asked
+#define SNAP 1e-12 ///< of a part: rounding of what is empty or full
 
 /// A row of blocks while it is filled.
 typedef struct Exact {
@@ -41,6 +40,18 @@ static const double *find_mesh(const Exact *e, const LthProbe *p) {
     if (e->mesh[i] == p)
       return e->part[i] + (LitheCount)e->m * e->frame->block_cells * e->frame->n_parts;
   return NULL;
+}
+
+static bool is_surface(const LthShape *s) {
+  return (s->kind == LTH_SHAPE_MESH && s->bvh) || s->kind == LTH_SHAPE_WRAP;
+}
+
+/// As lth_probe_side(); surfaces are known by their parts.
+static LthSide side_of(const Exact *e, const LthProbe *p, const Box *box) {
+  const double *mesh = box->place >= 0 && is_surface(p->shape) ? find_mesh(e, p) : NULL;
+  if (!mesh) return lth_probe_side(p, box->center, box->half);
+  double share = mesh[box->place];
+  return share <= SNAP ? LTH_SIDE_OUTSIDE : share >= 1 - SNAP ? LTH_SIDE_INSIDE : LTH_SIDE_MIXED;
 }
 
 /// Voxels along each axis of space, where they are parallel to the axes.
@@ -115,45 +126,6 @@ static double samples_fraction(const LthProbe *p, const Box *box) {
   return (double)count / all;
 }
 
-/// Where all triangles in the box are about in one plane, that plane is taken, by the answers on both sides of it.
-static bool wrap_plane(const LthWrapLocal *local, const Box *box, double *share) {
-  const LthBvh *tree = local->map->wrap->bvh;
-  LthBvhPoint closest;
-  double reach = lth_v3_norm(box->half), from[3], side[2][3];
-  if (local->n == 0 || !lth_bvh_closest(tree, box->center, reach, NULL, NULL, &closest))
-    return false;
-  const double *normal = tree->tri_normal + 3 * (size_t)closest.tri;
-  for (int i = 0; i < local->n; i++)
-    if (fabs(lth_v3_dot(tree->tri_normal + 3 * (size_t)local->tri[i], normal)) < FLAT) return false;
-  for (int k = 0; k < 2; k++) {
-    lth_v3_copy(closest.point, side[k]);
-    lth_v3_axpy((k ? BESIDE : -BESIDE) * reach, normal, side[k]);
-  }
-  bool behind = lth_wrap_local_inside(local, side[0]),
-       before = lth_wrap_local_inside(local, side[1]);
-  if (behind == before) return false;
-  lth_v3_sub(box->center, closest.point, from);
-  double below = lth_box_overlap_plane(box->half, normal, lth_v3_dot(from, normal));
-  *share = behind ? below : 1 - below;
-  return true;
-}
-
-/// A plane, or places one by one: many where one number is enough for all.
-static double wrap_fraction(const LthProbe *p, const Box *box) {
-  LthWrapLocal local;
-  double share, x[3];
-  lth_wrap_local_find(p->map, box->center, lth_v3_norm(box->half), &local);
-  if (wrap_plane(&local, box, &share)) return share;
-  int n = local.is_sure ? 8 : 4, count = 0;
-  for (int s = 0; s < n * n * n; s++) {
-    int place[3] = {s % n, s / n % n, s / (n * n)};
-    for (int a = 0; a < 3; a++)
-      x[a] = box->center[a] + box->half[a] * ((2 * place[a] + 1.0) / n - 1);
-    count += lth_wrap_local_inside(&local, x);
-  }
-  return (double)count / (n * n * n);
-}
-
 /// Piece q of the halves of a box.
 static Box half_of(const Box *box, int q) {
   Box piece = {.place = -1, .depth = box->depth + 1};
@@ -194,7 +166,7 @@ static double halved(const Exact *e, const LthProbe *p, const Box *box) {
 static double leaf_fraction(const Exact *e, const LthProbe *p, const Box *box) {
   const LthShape *s = p->shape;
   double low[3], high[3], volume, all = 1;
-  const double *mesh = box->place >= 0 && s->kind == LTH_SHAPE_MESH ? find_mesh(e, p) : NULL;
+  const double *mesh = box->place >= 0 ? find_mesh(e, p) : NULL;
   if (mesh) return mesh[box->place];
   for (int a = 0; a < 3; a++) {
     low[a] = box->center[a] - box->half[a];
@@ -204,7 +176,7 @@ static double leaf_fraction(const Exact *e, const LthProbe *p, const Box *box) {
   if (lth_box_overlap(s, low, high, &volume)) return volume / all;
   if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed && is_parallel(s->image->volume))
     return voxel_fraction(s->image, box);
-  if (s->kind == LTH_SHAPE_WRAP) return wrap_fraction(p, box);
+  if (s->kind == LTH_SHAPE_WRAP) return lth_wrap_local_share(p->map, box->center, box->half);
   if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed)
     return box->depth < LEAF_HALVINGS ? halved(e, p, box) : samples_fraction(p, box);
   return level_fraction(p, box);
@@ -304,14 +276,14 @@ typedef struct Rest {
   int n_mixed;
 } Rest;
 
-static Rest find_rest(const LthProbe *p, const Box *box) {
+static Rest find_rest(const Exact *e, const LthProbe *p, const Box *box) {
   const LthShape *s = p->shape;
   bool is_union = s->kind == LTH_SHAPE_UNION;
   Rest rest = {.value = is_union ? 0 : 1};
   if (s->n_children == 0) rest.value = 0;
   for (LitheIndex i = 0; i < s->n_children; i++) {
     bool turned = s->kind == LTH_SHAPE_DIFFERENCE && i > 0;
-    LthSide side = lth_probe_side(&p->children[i], box->center, box->half);
+    LthSide side = side_of(e, &p->children[i], box);
     if (side == LTH_SIDE_MIXED) {
       rest.child = &p->children[i];
       rest.turned = turned;
@@ -324,11 +296,11 @@ static Rest find_rest(const LthProbe *p, const Box *box) {
 }
 
 static double fraction(const Exact *e, const LthProbe *p, const Box *box) {
-  LthSide side = lth_probe_side(p, box->center, box->half);
+  LthSide side = side_of(e, p, box);
   if (side != LTH_SIDE_MIXED) return side == LTH_SIDE_INSIDE;
   if (p->shape->kind < LTH_SHAPE_UNION || p->shape->kind > LTH_SHAPE_DIFFERENCE)
     return leaf_fraction(e, p, box);
-  Rest rest = find_rest(p, box);
+  Rest rest = find_rest(e, p, box);
   if (rest.n_mixed == 0) return rest.value;
   if (rest.n_mixed == 1) {
     double of_child = fraction(e, rest.child, box);
@@ -362,10 +334,12 @@ static double exact_part(const void *self, const LthFractionFrame *f, const doub
 static LitheStatus fill_meshes(Exact *e, LitheCtx *ctx, const LthProbe *p) {
   const LthShape *s = p->shape;
   for (LitheIndex i = 0; i < s->n_children; i++) LITHE_TRY(fill_meshes(e, ctx, &p->children[i]));
-  if (s->kind != LTH_SHAPE_MESH || !s->bvh || e->n_meshes == MESHES_MAX) return LITHE_OK;
+  if (!is_surface(s) || e->n_meshes == MESHES_MAX) return LITHE_OK;
   int i = e->n_meshes++;
   e->mesh[i] = p;
   LTH_NEW(ctx, e->part[i], (LitheCount)e->row->n * e->frame->block_cells * e->frame->n_parts);
+  if (s->kind == LTH_SHAPE_WRAP)
+    return lth_fraction_fill_wrap(ctx, p, 0, e->frame, e->row, e->part[i]);
   return lth_fraction_fill_surface(ctx, s, 0, e->frame, e->row, e->part[i]);
 }
 
@@ -377,6 +351,8 @@ LitheStatus lth_fraction_fill_exact(const void *probe, LitheCtx *ctx, const LthF
   const LthShape *shape = e.probe->shape;
   if (shape->kind == LTH_SHAPE_MESH && shape->bvh)
     return lth_fraction_fill_surface(ctx, shape, 0, f, row, row->part);
+  if (shape->kind == LTH_SHAPE_WRAP)
+    return lth_fraction_fill_wrap(ctx, probe, 0, f, row, row->part);
   LITHE_TRY_OR(done, fill_meshes(&e, ctx, e.probe));
   for (e.m = 0; e.m < row->n; e.m++) {
     double low[3];

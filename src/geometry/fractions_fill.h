@@ -75,6 +75,10 @@ LthSide lth_fraction_smooth_side(const void *smoother, const double center[3],
 LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx,
                                      const LthFractionFrame *frame, const LthFractionRow *row);
 
+/// The same for a probe that is one surface of triangles, closed or wrapped, in 3D.
+LitheStatus lth_fraction_fill_near(const LthSmoother *smoother, LitheCtx *ctx,
+                                   const LthFractionFrame *frame, const LthFractionRow *row);
+
 /// LTH_FRACTIONS_EXACT in 2D.
 LthFractionFiller lth_fraction_plane_filler(const LthProbe *probe);
 
@@ -86,6 +90,11 @@ LitheStatus lth_fraction_fill_exact(const void *probe, LitheCtx *ctx, const LthF
 LitheStatus lth_fraction_fill_surface(LitheCtx *ctx, const LthShape *shape, int samples,
                                       const LthFractionFrame *frame, const LthFractionRow *row,
                                       double *part);
+
+/// The same of a probe's wrapped surface.
+LitheStatus lth_fraction_fill_wrap(LitheCtx *ctx, const LthProbe *probe, int samples,
+                                   const LthFractionFrame *frame, const LthFractionRow *row,
+                                   double *part);
 
 /// Value of a leaf box of `size` parts at `at` (counted in parts from the block's low corner).
 typedef double (*LthFractionLeaf)(const void *self, const LthFractionFrame *frame,

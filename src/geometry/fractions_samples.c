@@ -2,7 +2,6 @@
 #include "geometry/fractions_fill.h"
 
 #include "base/tensor.h"
-#include "geometry/wrap_local.h"
 
 /// A block while it is filled.
 typedef struct Halving {
@@ -51,23 +50,14 @@ static double sample_part(const void *self, const LthFractionFrame *f, const dou
                           const int at[3]) {
   const LthSampler *s = self;
   int n = s->samples / 2, deep = f->dim == 3 ? n : 1, count = 0;
-  double x[3] = {0, 0, 0}, half[3] = {0, 0, 0};
-  bool is_wrapped = s->probe->map;
-  LthWrapLocal local;
-  if (is_wrapped) {
-    for (int a = 0; a < f->dim; a++) {
-      half[a] = 0.25 * f->h[a];
-      x[a] = low[a] + half[a] * (2 * at[a] + 1);
-    }
-    lth_wrap_local_find(s->probe->map, x, lth_v3_norm(half), &local);
-  }
+  double x[3] = {0, 0, 0};
   for (int k = 0; k < deep; k++)
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++) {
         int place[3] = {i, j, k};
         for (int a = 0; a < f->dim; a++)
           x[a] = low[a] + f->h[a] * ((at[a] * n + place[a]) + 0.5) / (2 * n);
-        count += is_wrapped ? lth_wrap_local_inside(&local, x) : lth_probe_inside(s->probe, x);
+        count += lth_probe_inside(s->probe, x);
       }
   return (double)count / (n * n * deep);
 }
@@ -85,6 +75,8 @@ LitheStatus lth_fraction_fill_samples(const void *sampler, LitheCtx *ctx, const 
   const LthShape *shape = s->probe->shape;
   if (shape->kind == LTH_SHAPE_MESH && shape->bvh && f->dim == 3)
     return lth_fraction_fill_surface(ctx, shape, s->samples, f, row, row->part);
+  if (shape->kind == LTH_SHAPE_WRAP && f->dim == 3)
+    return lth_fraction_fill_wrap(ctx, s->probe, s->samples, f, row, row->part);
   for (LitheIndex m = 0; m < row->n; m++) {
     double low[3];
     lth_fraction_corner(f, row->at[m], row->j, row->k, low);

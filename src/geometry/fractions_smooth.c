@@ -4,7 +4,6 @@
 
 #include "base/tensor.h"
 
-#define ROUNDING 1e-9     ///< of a distance
 #define HALF_WIDTH 1.2    ///< of the smooth profile, in cells
 #define GRADIENT_STEP 0.5 ///< of cells
 
@@ -39,47 +38,21 @@ LthSide lth_fraction_smooth_side(const void *smoother, const double center[3],
   return lth_probe_side(s->probe, center, wider);
 }
 
-/// From part to part of a row: the last distance bounds the next one.
-typedef struct Walk {
-  const LthSmoother *smoother;
-  double place[3], distance;
-} Walk;
-
-/// Signed distance of a surface, looked for no farther than it can be.
-static double walk_distance(Walk *w, const LthBvh *tree, const double x[3]) {
-  LthBvhPoint closest;
-  double reach = (w->distance + lth_v3_distance(x, w->place)) * (1 + ROUNDING);
-  if (!lth_bvh_closest(tree, x, reach, NULL, NULL, &closest) &&
-      !lth_bvh_closest(tree, x, INFINITY, NULL, NULL, &closest))
-    return INFINITY;
-  lth_v3_copy(x, w->place);
-  w->distance = closest.distance;
-  return lth_bvh_gap(tree, x, &closest, NULL);
-}
-
-static LthSide walk_side(const void *walk, const double center[3], const double half[3]) {
-  const Walk *w = *(Walk *const *)walk;
-  return lth_fraction_smooth_side(w->smoother, center, half);
-}
-
-static double smooth_part(const void *walk, const LthFractionFrame *f, const double low[3],
+static double smooth_part(const void *smoother, const LthFractionFrame *f, const double low[3],
                           const int at[3]) {
-  Walk *w = *(Walk *const *)walk;
-  const LthSmoother *s = w->smoother;
-  const LthShape *shape = s->probe->shape;
+  const LthSmoother *s = smoother;
   double x[3] = {0, 0, 0};
   for (int a = 0; a < f->dim; a++) x[a] = low[a] + 0.5 * f->h[a] * (at[a] + 0.5);
-  double d = shape->kind == LTH_SHAPE_MESH && shape->bvh
-                 ? walk_distance(w, shape->bvh, x)
-                 : lth_probe_distance(s->probe, x, f->dim, s->step);
-  return lth_fraction_profile(d / s->width);
+  return lth_fraction_profile(lth_probe_distance(s->probe, x, f->dim, s->step) / s->width);
 }
 
 LitheStatus lth_fraction_fill_smooth(const void *smoother, LitheCtx *ctx, const LthFractionFrame *f,
                                      const LthFractionRow *row) {
-  Walk walk = {.smoother = smoother, .distance = INFINITY}, *self = &walk;
-  LthFractionFiller filler = {.self = &self, .side = walk_side};
-  (void)ctx;
+  const LthSmoother *s = smoother;
+  const LthShape *shape = s->probe->shape;
+  LthFractionFiller filler = {.self = smoother, .side = lth_fraction_smooth_side};
+  bool is_surface = (shape->kind == LTH_SHAPE_MESH && shape->bvh) || shape->kind == LTH_SHAPE_WRAP;
+  if (is_surface && f->dim == 3) return lth_fraction_fill_near(s, ctx, f, row);
   for (LitheIndex m = 0; m < row->n; m++) {
     double low[3];
     lth_fraction_corner(f, row->at[m], row->j, row->k, low);

@@ -3,9 +3,13 @@
 
 #include "base/disjoint_sets.h"
 #include "base/tensor.h"
+#include "geometry/predicates.h"
 #include "geometry/surface_clean.h"
+#include "geometry/tri_tri.h"
 
 #include <stdlib.h>
+
+#define STACK_MAX 96
 
 /// Sums of solid angles that are worth making to find shells that are inside out.
 #define TURN_WORK_MAX 1e9
@@ -208,6 +212,56 @@ done:
   return status;
 }
 
+/// --- crossings ---
+
+static bool is_flat(const LthSurface *s, LitheIndex tri) {
+  const LitheIndex *p = s->tris + 3 * (size_t)tri;
+  return lth_collinear(s->points + 3 * (size_t)p[0], s->points + 3 * (size_t)p[1],
+                       s->points + 3 * (size_t)p[2]);
+}
+
+/// Does a triangle cross another? Triangles without area do not.
+static bool crosses_others(const LthBvh *t, LitheIndex tri) {
+  const LthSurface *s = t->surface;
+  LitheIndex stack[STACK_MAX];
+  double box[6];
+  int top = 0;
+  if (is_flat(s, tri)) return false;
+  for (int a = 0; a < 3; a++) {
+    box[a] = INFINITY, box[3 + a] = -INFINITY;
+    for (int c = 0; c < 3; c++) {
+      double x = s->points[3 * (size_t)s->tris[3 * (size_t)tri + (size_t)c] + (size_t)a];
+      box[a] = fmin(box[a], x);
+      box[3 + a] = fmax(box[3 + a], x);
+    }
+  }
+  stack[top++] = 0;
+  while (top > 0) {
+    LitheIndex node = stack[--top];
+    if (!lth_boxes_meet(t->box + 6 * (size_t)node, box)) continue;
+    if (t->right[node] >= 0) {
+      LITHE_ASSERT(top + 2 <= STACK_MAX);
+      stack[top++] = t->right[node];
+      stack[top++] = node + 1;
+      continue;
+    }
+    for (LitheIndex i = t->first[node]; i < t->first[node] + t->count[node]; i++) {
+      LitheIndex other = t->item[i];
+      if (other != tri && !is_flat(s, other) &&
+          lth_triangles_cross(s->points, s->tris + 3 * (size_t)tri, s->tris + 3 * (size_t)other))
+        return true;
+    }
+  }
+  return false;
+}
+
+static LitheStatus find_crossings(LitheCtx *ctx, LthWrap *w) {
+  LTH_NEW(ctx, w->crosses, w->raw->n_tris);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(lth_threads(ctx))
+  for (LitheIndex t = 0; t < w->raw->n_tris; t++) w->crosses[t] = crosses_others(w->bvh, t);
+  return LITHE_OK;
+}
+
 /// --- all of it ---
 
 static LitheStatus clean(LthCleaner *c, LthWrap *w) {
@@ -238,6 +292,8 @@ static LitheStatus take_raw(LthCleaner *c, LthWrap *w) {
   lth_surface_bounds(s, w->box, w->box + 3);
   w->size = lth_v3_distance(w->box, w->box + 3);
   LITHE_TRY(lth_bvh_create_surface(c->ctx, s, &w->bvh));
+  LITHE_TRY(lth_rim_create(c->ctx, s, &w->rim));
+  LITHE_TRY(find_crossings(c->ctx, w));
   return lth_winding_create(c->ctx, s->n_tris, s->points, s->tris, &w->winding);
 }
 
@@ -270,6 +326,8 @@ void lth_wrap_destroy(LitheCtx *ctx, LthWrap **wrap) {
   LthWrap *w = *wrap;
   lth_winding_destroy(ctx, &w->winding);
   lth_bvh_destroy(ctx, &w->bvh);
+  lth_rim_destroy(ctx, &w->rim);
+  lth_free(ctx, w->crosses);
   lth_surface_destroy(ctx, &w->raw);
   lth_free(ctx, w);
   *wrap = NULL;

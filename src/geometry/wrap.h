@@ -4,12 +4,16 @@
 
 #include "geometry/bvh.h"
 #include "geometry/winding.h"
+#include "geometry/wrap_rim.h"
 
 /// Immutable once built; safe to read from many threads.
 typedef struct LthWrap {
   LthSurface *raw; ///< welded triangles, oriented as far as they can be; open, crossing, anything
   LthBvh *bvh;     ///< over `raw`
   LthWinding *winding;
+  LthRim *rim;
+  bool *
+      crosses; ///< does a triangle cross others, or touch them but for corners and edges in common?  (n_tris)
   double box[6]; ///< of `raw`: nothing beyond it is inside
   double size;   ///< diagonal of it [m]
 

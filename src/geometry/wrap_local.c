@@ -2,9 +2,15 @@
 #include "geometry/wrap_local.h"
 
 #include "base/tensor.h"
+#include "geometry/box_overlap.h"
 
-#define WHOLE 0.15  ///< as far from a whole number as maps allow, too
-#define OPENING 2.0 ///< of groups
+#define OPENING 2.0       ///< of groups
+#define OPENING_WIDER 4.0 ///< where that does not decide
+#define FLAT 0.95         ///< cosine between triangles that count as one plane
+#define BESIDE 1e-3       ///< of a box's size: where the sides of a triangle are asked
+#define STEEP 0.35        ///< change of the number over a box that still counts as linear
+#define PLACES_SURE 8     ///< along a box that one number is enough for
+#define PLACES 4          ///< where each place takes its own
 
 static const double aside[3] = {0.0123, -0.0171,
                                 0.0089}; ///< of the radius: centres of boxes lie on triangles
@@ -31,17 +37,28 @@ static bool list(void *self, LitheIndex tri) {
   return !l->is_full;
 }
 
+/// The number at the centre, and whether it is nearest to the same whole one in all of the ball, but for jumps.
+static bool find_number(LthWrapLocal *local, double radius) {
+  const LthWrap *w = local->map->wrap;
+  double bound, change = 2 * radius * lth_rim_slope(w->rim, local->center, radius);
+  if (!(change < 0.5)) return false;
+  for (double opening = OPENING; opening <= OPENING_WIDER; opening *= 2) {
+    double number = lth_winding_number(w->winding, local->center, opening, &bound);
+    local->number = (int)round(number);
+    if (fabs(number - local->number) + bound + change < 0.5) return true;
+  }
+  return false;
+}
+
 void lth_wrap_local_find(const LthWrapMap *map, const double center[3], double radius,
                          LthWrapLocal *local) {
-  double bound, wider = radius * 1.05;
+  double wider = radius * 1.05;
   Listing l = {.local = local, .radius = wider};
   local->map = map;
   local->n = 0;
   for (int a = 0; a < 3; a++) local->center[a] = center[a] + aside[a] * radius;
   lth_bvh_visit(map->wrap->bvh, local->center, wider, list, &l);
-  double number = lth_winding_number(map->wrap->winding, local->center, OPENING, &bound);
-  local->number = (int)round(number);
-  local->is_sure = !l.is_full && fabs(number - local->number) + bound < WHOLE;
+  local->is_sure = !l.is_full && find_number(local, wider);
 }
 
 /// 1 where the way from a along d goes in through the triangle, -1 where it comes out, 0 where it misses it.
@@ -74,4 +91,90 @@ bool lth_wrap_local_inside(const LthWrapLocal *l, const double x[3]) {
     number += pass(l->center, d, corner(w->raw, l->tri[i], 0), corner(w->raw, l->tri[i], 1),
                    corner(w->raw, l->tri[i], 2));
   return number > 0;
+}
+
+/// --- boxes ---
+
+/// Where all triangles in the box are about in one plane, that plane is taken, by the answers on both sides of it.
+static bool triangle_plane(const LthWrapLocal *local, const double center[3], const double half[3],
+                           double *share) {
+  const LthBvh *tree = local->map->wrap->bvh;
+  LthBvhPoint closest;
+  double reach = lth_v3_norm(half), from[3], side[2][3];
+  if (local->n == 0 || !lth_bvh_closest(tree, center, reach, NULL, NULL, &closest)) return false;
+  const double *normal = tree->tri_normal + 3 * (size_t)closest.tri;
+  for (int i = 0; i < local->n; i++)
+    if (fabs(lth_v3_dot(tree->tri_normal + 3 * (size_t)local->tri[i], normal)) < FLAT) return false;
+  for (int k = 0; k < 2; k++) {
+    lth_v3_copy(closest.point, side[k]);
+    lth_v3_axpy((k ? BESIDE : -BESIDE) * reach, normal, side[k]);
+  }
+  bool behind = lth_wrap_local_inside(local, side[0]),
+       before = lth_wrap_local_inside(local, side[1]);
+  if (behind == before) return false;
+  lth_v3_sub(center, closest.point, from);
+  double below = lth_box_overlap_plane(half, normal, lth_v3_dot(from, normal));
+  *share = behind ? below : 1 - below;
+  return true;
+}
+
+/// In a hole, away from all triangles, the number changes slowly, and the surface is where it passes one half.
+static bool hole_plane(const LthWrapLocal *local, const double center[3], const double half[3],
+                       double *share) {
+  const LthWrap *w = local->map->wrap;
+  double radius = lth_v3_norm(half), n[3], mean = 0;
+  if (local->n > 0 || !(radius * lth_rim_slope(w->rim, center, radius) < STEEP)) return false;
+  for (int a = 0; a < 3; a++) {
+    double value[2];
+    for (int k = 0; k < 2; k++) {
+      double x[3];
+      lth_v3_copy(center, x);
+      x[a] += k ? half[a] : -half[a];
+      value[k] = lth_winding_number(w->winding, x, OPENING_WIDER, NULL);
+      mean += value[k] / 6;
+    }
+    n[a] = (value[0] - value[1]) / (2 * half[a]);
+  }
+  double slope = lth_v3_normalize(n);
+  if (!(slope > 0)) return false;
+  *share = lth_box_overlap_plane(half, n, (0.5 - mean) / slope);
+  return true;
+}
+
+/// Share of a box that lies in another.
+static double share_within(const double box[6], const double center[3], const double half[3]) {
+  double share = 1;
+  for (int a = 0; a < 3; a++)
+    share *= fmax(0, fmin(box[3 + a], center[a] + half[a]) - fmax(box[a], center[a] - half[a])) /
+             (2 * half[a]);
+  return fmin(share, 1);
+}
+
+static double places_share(const LthWrapLocal *local, const double center[3], const double half[3],
+                           int n) {
+  int count = 0;
+  for (int s = 0; s < n * n * n; s++) {
+    int place[3] = {s % n, s / n % n, s / (n * n)};
+    double x[3];
+    for (int a = 0; a < 3; a++) x[a] = center[a] + half[a] * ((2 * place[a] + 1.0) / n - 1);
+    count += lth_wrap_local_inside(local, x);
+  }
+  return (double)count / (n * n * n);
+}
+
+double lth_wrap_local_share(const LthWrapMap *map, const double center[3], const double half[3]) {
+  LthWrapLocal local;
+  double share;
+  lth_wrap_local_find(map, center, lth_v3_norm(half), &local);
+  if (triangle_plane(&local, center, half, &share)) return share;
+  if (!local.is_sure && hole_plane(&local, center, half, &share))
+    return fmin(share, share_within(map->wrap->box, center, half));
+  return places_share(&local, center, half, local.is_sure ? PLACES_SURE : PLACES);
+}
+
+double lth_wrap_local_samples(const LthWrapMap *map, const double center[3], const double half[3],
+                              int n) {
+  LthWrapLocal local;
+  lth_wrap_local_find(map, center, lth_v3_norm(half), &local);
+  return places_share(&local, center, half, n);
 }

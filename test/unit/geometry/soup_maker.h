@@ -7,8 +7,8 @@
 #include <string.h>
 
 /// Enough room for every test's soup.
-#define MAKER_POINTS 4000
-#define MAKER_CORNERS 12000
+#define MAKER_POINTS 8000
+#define MAKER_CORNERS 48000
 
 /// Zero-initialise; `soup` may be handed to the library after soup_finish().
 typedef struct SoupMaker {
