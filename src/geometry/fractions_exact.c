@@ -176,7 +176,7 @@ static double leaf_fraction(const Exact *e, const LthProbe *p, const Box *box) {
   if (lth_box_overlap(s, low, high, &volume)) return volume / all;
   if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed && is_parallel(s->image->volume))
     return voxel_fraction(s->image, box);
-  if (s->kind == LTH_SHAPE_WRAP) return lth_wrap_local_share(p->map, box->center, box->half);
+  if (s->kind == LTH_SHAPE_WRAP) return lth_wrap_local_share(p->map, NULL, box->center, box->half);
   if (s->kind == LTH_SHAPE_IMAGE && !s->image->is_smoothed)
     return box->depth < LEAF_HALVINGS ? halved(e, p, box) : samples_fraction(p, box);
   return level_fraction(p, box);

@@ -11,6 +11,8 @@
 #define POCKET                                                                                     \
   8 ///< parts of a block that are enclosed by met ones and not worth a number of their own
 #define AGREED 1e-6 ///< of a part: sums along a column that lead from one number to the other
+#define NEAR_BOX                                                                                   \
+  4 ///< parts along boxes beside rims and in holes whose numbers are made ready together
 #define NUMBER_MAX 100
 
 /// What a part is, else the whole winding number all over it.
@@ -21,7 +23,7 @@ enum {
   PART_CROSSED, ///< cut by two triangles that cross others
   PART_EMPTY,   ///< the number is not nearly whole, but below one half all over
   PART_FULL,
-  PART_LOOSE ///< to be asked by itself
+  PART_DONE ///< asked by itself
 };
 
 typedef struct Filling {
@@ -31,6 +33,8 @@ typedef struct Filling {
   int *list;           ///< parts of a flood                          (width^3)
   double *mean;        ///< along a column                            (n blocks x width)
   double *out;         ///< as row->part
+  LthWindingNear near; ///< of a box that `is_near`
+  bool is_near;
   LitheIndex m;        ///< block in question
   double low[3], h[3]; ///< its corner; size of parts
 } Filling;
@@ -50,6 +54,10 @@ static void part_box(const Filling *f, int i, int j, int k, double center[3], do
 }
 
 static double number_at(const Filling *f, const double x[3], double *bound) {
+  if (f->is_near) {
+    *bound = LTH_WINDING_NEAR_ERROR;
+    return lth_winding_near_number(&f->near, x);
+  }
   return lth_winding_number(f->probe->shape->wrap->winding, x, OPENING, bound);
 }
 
@@ -76,15 +84,35 @@ static int flood(const Filling *f, const int low[3], int size, int i, int j, int
   return n;
 }
 
-/// Nothing beyond the file's box is inside: a part of it that is wound goes by itself.
-static int8_t state_of(const Filling *f, int number, int p) {
-  const double *box = f->probe->shape->wrap->box;
-  int w = f->ledger.width;
+/// A part by itself.
+static double ask(const Filling *f, const double center[3], const double half[3]) {
+  const LthWindingNear *near = f->is_near ? &f->near : NULL;
+  int samples = f->ledger.samples;
+  return samples > 0 ? lth_wrap_local_samples(f->probe->map, near, center, half, samples / 2)
+                     : lth_wrap_local_share(f->probe->map, near, center, half);
+}
+
+static double *part_at(const Filling *f, int i, int j, int k) {
+  const LthFractionFrame *frame = f->ledger.frame;
+  return &f->out[(LitheCount)f->m * frame->block_cells * frame->n_parts +
+                 lth_fraction_place(frame, i, j, k)];
+}
+
+static bool is_within(const double box[6], const double center[3], const double half[3]) {
+  for (int a = 0; a < 3; a++)
+    if (center[a] - half[a] < box[a] || center[a] + half[a] > box[3 + a]) return false;
+  return true;
+}
+
+/// A free part gets its number. Nothing beyond the file's box is inside: there, a wound part goes by itself.
+static void give_number(const Filling *f, int i, int j, int k, int number) {
   double center[3], half[3];
-  part_box(f, p % w, p / w % w, p / (w * w), center, half);
-  for (int a = 0; a < 3 && number > 0; a++)
-    if (center[a] - half[a] < box[a] || center[a] + half[a] > box[3 + a]) return PART_LOOSE;
-  return (int8_t)(number > NUMBER_MAX ? NUMBER_MAX : number < -NUMBER_MAX ? -NUMBER_MAX : number);
+  int8_t *state = state_at(f, i, j, k);
+  part_box(f, i, j, k, center, half);
+  *state = (int8_t)(number > NUMBER_MAX ? NUMBER_MAX : number < -NUMBER_MAX ? -NUMBER_MAX : number);
+  if (number <= 0 || is_within(f->probe->shape->wrap->box, center, half)) return;
+  *state = PART_DONE;
+  *part_at(f, i, j, k) = ask(f, center, half);
 }
 
 /// The number is nearly whole all over a box: one for each connected set of free parts.
@@ -97,31 +125,35 @@ static void number_box(const Filling *f, const int at[3], int size) {
         int n = flood(f, at, size, i, j, k), number = 0;
         bool is_pocket = n < POCKET && size == w;
         if (!is_pocket) {
-          double center[3], half[3];
+          double center[3], half[3], bound;
           part_box(f, i, j, k, center, half);
-          number = (int)lround(number_at(f, center, NULL));
+          number = (int)lround(number_at(f, center, &bound));
         }
         for (int s = 0; s < n; s++) {
-          int p = f->list[s];
-          *state_at(f, p % w, p / w % w, p / (w * w)) =
-              is_pocket ? PART_CUT : state_of(f, number, p);
+          int p = f->list[s], to[3] = {p % w, p / w % w, p / (w * w)};
+          if (is_pocket)
+            *state_at(f, to[0], to[1], to[2]) = PART_CUT;
+          else
+            give_number(f, to[0], to[1], to[2], number);
         }
       }
 }
 
-/// The state of a part beside a rim or in a hole; `change`: of the number over it.
+/// A part beside a rim or in a hole; `change`: of the number over it.
 static void settle_part(const Filling *f, const int at[3], double change) {
   int8_t *state = state_at(f, at[0], at[1], at[2]);
   double center[3], half[3], bound;
-  bool is_free = *state == PART_FREE;
-  *state = PART_LOOSE;
-  if (!is_free || !(change < 0.5)) return;
   part_box(f, at[0], at[1], at[2], center, half);
-  double from_half = number_at(f, center, &bound) - 0.5;
-  if (fabs(from_half) <= bound + change) return;
-  int p = at[0] + f->ledger.width * (at[1] + f->ledger.width * at[2]);
-  *state = from_half < 0 ? PART_EMPTY : PART_FULL;
-  if (from_half > 0 && state_of(f, 1, p) == PART_LOOSE) *state = PART_LOOSE;
+  if (*state == PART_FREE && change < 0.5) {
+    double from_half = number_at(f, center, &bound) - 0.5;
+    bool is_sure = fabs(from_half) > bound + change;
+    if (is_sure && (from_half < 0 || is_within(f->probe->shape->wrap->box, center, half))) {
+      *state = from_half < 0 ? PART_EMPTY : PART_FULL;
+      return;
+    }
+  }
+  *state = PART_DONE;
+  *part_at(f, at[0], at[1], at[2]) = ask(f, center, half);
 }
 
 static bool has_unsettled(const Filling *f, const int at[3], int size, double x[3]) {
@@ -142,7 +174,7 @@ static bool has_unsettled(const Filling *f, const int at[3], int size, double x[
 
 /// The fractional part of the number does not see triangles: where it stays away from one half all over a box, its free
 /// parts have whole numbers, and its cut ones jumps alone. Else the box is halved.
-static void settle_box(const Filling *f, const int at[3], int size) {
+static void settle_box(Filling *f, const int at[3], int size) {
   const LthWrap *wrap = f->probe->shape->wrap;
   double center[3], half[3], x[3], bound;
   for (int a = 0; a < 3; a++) {
@@ -162,11 +194,13 @@ static void settle_box(const Filling *f, const int at[3], int size) {
     settle_part(f, at, change);
     return;
   }
+  if (size == NEAR_BOX) f->is_near = lth_winding_near(wrap->winding, NULL, center, half, &f->near);
   for (int q = 0; q < 8; q++) {
     int to[3];
     for (int a = 0; a < 3; a++) to[a] = at[a] + (q >> a & 1) * size / 2;
     settle_box(f, to, size / 2);
   }
+  if (size == NEAR_BOX) f->is_near = false;
 }
 
 static void settle_block(Filling *f, LitheIndex m) {
@@ -202,8 +236,7 @@ static double *column_part(const Filling *f, const Column *c, LitheCount i) {
                  lth_fraction_place(frame, (int)(i % w), c->j, c->k)];
 }
 
-/// A part by itself.
-static double ask(const Filling *f, const Column *c, LitheCount i) {
+static double ask_column(const Filling *f, const Column *c, LitheCount i) {
   const LthLedger *l = &f->ledger;
   double center[3], half[3];
   LitheIndex m = c->first + (LitheIndex)(i / l->width);
@@ -213,8 +246,7 @@ static double ask(const Filling *f, const Column *c, LitheCount i) {
     half[a] = 0.5 * f->h[a];
     center[a] += f->h[a] * (at[a] + 0.5);
   }
-  return l->samples > 0 ? lth_wrap_local_samples(f->probe->map, center, half, l->samples / 2)
-                        : lth_wrap_local_share(f->probe->map, center, half);
+  return ask(f, center, half);
 }
 
 /// Means of the number in the cut parts [from, to) of a column; false where the numbers on its two sides (`has` them) do
@@ -267,7 +299,7 @@ static void fill_run(const Filling *f, const Column *c, LitheCount from, LitheCo
   }
   bool is_summed = sum_run(f, c, from, to, has, number) && clamp_run(f, from, to, has, number);
   for (LitheCount i = from; i < to; i++)
-    *column_part(f, c, i) = is_summed ? f->mean[i] : ask(f, c, i);
+    *column_part(f, c, i) = is_summed ? f->mean[i] : ask_column(f, c, i);
 }
 
 static void fill_column(const Filling *f, const Column *c) {
@@ -282,9 +314,7 @@ static void fill_column(const Filling *f, const Column *c) {
         to++;
       }
       fill_run(f, c, i, to);
-    } else if (state == PART_LOOSE) {
-      *column_part(f, c, i) = ask(f, c, i);
-    } else {
+    } else if (state != PART_DONE) {
       *column_part(f, c, i) = state == PART_FULL || (state <= NUMBER_MAX && state > 0);
     }
   }

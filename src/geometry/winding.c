@@ -8,6 +8,9 @@
 #define STACK_MAX 96
 #define OPENING_FIRST 2.0
 #define OPENING_LAST 16.0
+#define NEAR_OPENING 4.0 ///< of groups, seen from any place of a box
+#define NEAR_SMOOTH                                                                                \
+  5.0 ///< of half a box's diagonal: what is farther from its middle is smooth all over it
 #define DECIDED 1e-3 ///< an error that is not worth opening more groups for
 
 /// What a group of triangles looks like from afar; n dA is an area vector, r the place from the centre.
@@ -228,4 +231,84 @@ bool lth_winding_inside(const LthWinding *w, const double x[3]) {
     if (fabs(number - 0.5) > bound || bound < DECIDED) break;
   }
   return number > 0.5;
+}
+
+/// --- many places in a box ---
+
+/// Weights of three equally spaced places for one at t in [-1, 1].
+static void parabola(double t, double w[3]) {
+  w[0] = 0.5 * t * (t - 1);
+  w[1] = 1 - t * t;
+  w[2] = 0.5 * t * (t + 1);
+}
+
+static double far_number(const LthWindingNear *near, const double x[3]) {
+  double w[3][3], sum = 0;
+  for (int a = 0; a < 3; a++) parabola((x[a] - near->center[a]) / near->half[a], w[a]);
+  for (int k = 0; k < 27; k++) sum += w[0][k % 3] * w[1][k / 3 % 3] * w[2][k / 9] * near->far[k];
+  return sum;
+}
+
+static void far_place(const LthWindingNear *near, int k, double x[3]) {
+  int at[3] = {k % 3, k / 3 % 3, k / 9};
+  for (int a = 0; a < 3; a++) x[a] = near->center[a] + (at[a] - 1) * near->half[a];
+}
+
+static void add_far(const Group *g, LthWindingNear *near) {
+  for (int k = 0; k < 27; k++) {
+    double x[3], d[3];
+    far_place(near, k, x);
+    lth_v3_sub(g->center, x, d);
+    near->far[k] += far_angle(g, d, 1 / lth_v3_norm(d)) / (4 * M_PI);
+  }
+}
+
+/// Below one node; false where there is no room for what is near.
+static bool sort_node(LitheIndex root, double radius, LthWindingNear *near) {
+  const LthWinding *w = near->winding;
+  LitheIndex stack[STACK_MAX];
+  int top = 0;
+  stack[top++] = root;
+  while (top > 0) {
+    LitheIndex node = stack[--top];
+    const Group *g = &w->group[node];
+    double d = lth_v3_distance(g->center, near->center);
+    if (d - radius > NEAR_OPENING * g->radius && d > NEAR_SMOOTH * radius) {
+      add_far(g, near);
+    } else if (w->bvh->right[node] < 0) {
+      if (near->n == LTH_WINDING_NEAR) return false;
+      near->leaf[near->n++] = node;
+    } else {
+      LITHE_ASSERT(top + 2 <= STACK_MAX);
+      stack[top++] = w->bvh->right[node];
+      stack[top++] = node + 1;
+    }
+  }
+  return true;
+}
+
+bool lth_winding_near(const LthWinding *w, const LthWindingNear *larger, const double center[3],
+                      const double half[3], LthWindingNear *near) {
+  double radius = lth_v3_norm(half), x[3];
+  near->winding = w;
+  near->n = 0;
+  lth_v3_copy(center, near->center);
+  lth_v3_copy(half, near->half);
+  for (int k = 0; k < 27; k++) {
+    near->far[k] = 0;
+    far_place(near, k, x);
+    if (larger) near->far[k] = far_number(larger, x);
+  }
+  if (!larger) return sort_node(0, radius, near);
+  for (int i = 0; i < larger->n; i++)
+    if (!sort_node(larger->leaf[i], radius, near)) return false;
+  return true;
+}
+
+double lth_winding_near_number(const LthWindingNear *near, const double x[3]) {
+  const LthWinding *w = near->winding;
+  double sum = 0;
+  for (int i = 0; i < near->n; i++)
+    sum += near_angle(w, w->first[near->leaf[i]], w->count[near->leaf[i]], x);
+  return far_number(near, x) + sum / (4 * M_PI);
 }

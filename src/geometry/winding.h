@@ -26,3 +26,21 @@ double lth_winding_direct(const LthWinding *winding, const double x[3]);
 
 /// Is the number above one half? Groups are opened until the bound decides, or is below 1e-3.
 bool lth_winding_inside(const LthWinding *winding, const double x[3]);
+
+/// For many places in one box: far triangles as a polynomial over it, near ones as they are.
+#define LTH_WINDING_NEAR 2048
+#define LTH_WINDING_NEAR_ERROR 4e-3 ///< of its numbers, as measured: winding.md, section 5
+typedef struct LthWindingNear {
+  const LthWinding *winding; ///< borrowed
+  double center[3], half[3];
+  double far[27]; ///< winding numbers of far triangles at 3 places along each axis
+  int n;          ///< leaves that are near
+  LitheIndex leaf[LTH_WINDING_NEAR]; ///< (n)
+} LthWindingNear;
+
+/// From a larger box that this one is in, or NULL. False where too many triangles are near.
+bool lth_winding_near(const LthWinding *winding, const LthWindingNear *larger,
+                      const double center[3], const double half[3], LthWindingNear *near);
+
+/// The number at x in the box.
+double lth_winding_near_number(const LthWindingNear *near, const double x[3]);

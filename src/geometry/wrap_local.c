@@ -55,6 +55,7 @@ void lth_wrap_local_find(const LthWrapMap *map, const double center[3], double r
   double wider = radius * 1.05;
   Listing l = {.local = local, .radius = wider};
   local->map = map;
+  local->near = NULL;
   local->n = 0;
   for (int a = 0; a < 3; a++) local->center[a] = center[a] + aside[a] * radius;
   lth_bvh_visit(map->wrap->bvh, local->center, wider, list, &l);
@@ -81,11 +82,12 @@ static int pass(const double a[3], const double d[3], const double *p, const dou
 
 bool lth_wrap_local_inside(const LthWrapLocal *l, const double x[3]) {
   const LthWrap *w = l->map->wrap;
-  if (!l->is_sure) return lth_wrap_map_inside(l->map, x);
+  if (!l->is_sure && !l->near) return lth_wrap_map_inside(l->map, x);
   int number = l->number;
   double d[3];
   for (int i = 0; i < 3; i++)
     if (!(x[i] >= w->box[i] && x[i] <= w->box[3 + i])) return false;
+  if (!l->is_sure) return lth_winding_near_number(l->near, x) > 0.5;
   lth_v3_sub(x, l->center, d);
   for (int i = 0; i < l->n; i++)
     number += pass(l->center, d, corner(w->raw, l->tri[i], 0), corner(w->raw, l->tri[i], 1),
@@ -130,7 +132,8 @@ static bool hole_plane(const LthWrapLocal *local, const double center[3], const 
       double x[3];
       lth_v3_copy(center, x);
       x[a] += k ? half[a] : -half[a];
-      value[k] = lth_winding_number(w->winding, x, OPENING_WIDER, NULL);
+      value[k] = local->near ? lth_winding_near_number(local->near, x)
+                             : lth_winding_number(w->winding, x, OPENING_WIDER, NULL);
       mean += value[k] / 6;
     }
     n[a] = (value[0] - value[1]) / (2 * half[a]);
@@ -162,19 +165,30 @@ static double places_share(const LthWrapLocal *local, const double center[3], co
   return (double)count / (n * n * n);
 }
 
-double lth_wrap_local_share(const LthWrapMap *map, const double center[3], const double half[3]) {
+/// Where one number is not enough, those of the box are made ready.
+static void find(const LthWrapMap *map, const LthWindingNear *larger, const double center[3],
+                 const double half[3], LthWrapLocal *local, LthWindingNear *near) {
+  lth_wrap_local_find(map, center, lth_v3_norm(half), local);
+  if (!local->is_sure && lth_winding_near(map->wrap->winding, larger, center, half, near))
+    local->near = near;
+}
+
+double lth_wrap_local_share(const LthWrapMap *map, const LthWindingNear *larger,
+                            const double center[3], const double half[3]) {
   LthWrapLocal local;
+  LthWindingNear near;
   double share;
-  lth_wrap_local_find(map, center, lth_v3_norm(half), &local);
+  find(map, larger, center, half, &local, &near);
   if (triangle_plane(&local, center, half, &share)) return share;
   if (!local.is_sure && hole_plane(&local, center, half, &share))
     return fmin(share, share_within(map->wrap->box, center, half));
   return places_share(&local, center, half, local.is_sure ? PLACES_SURE : PLACES);
 }
 
-double lth_wrap_local_samples(const LthWrapMap *map, const double center[3], const double half[3],
-                              int n) {
+double lth_wrap_local_samples(const LthWrapMap *map, const LthWindingNear *larger,
+                              const double center[3], const double half[3], int n) {
   LthWrapLocal local;
-  lth_wrap_local_find(map, center, lth_v3_norm(half), &local);
+  LthWindingNear near;
+  find(map, larger, center, half, &local, &near);
   return places_share(&local, center, half, n);
 }

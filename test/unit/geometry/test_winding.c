@@ -190,6 +190,39 @@ static void inside_is_what_the_sum_says(void **state) {
   lithe_ctx_destroy(&ctx);
 }
 
+static void boxes_have_their_numbers_ready(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSurface *torus = solid_torus(ctx, 1, 0.4, 96, 48), *open = open_box(ctx);
+  torus->n_tris -= torus->n_tris / 7; // with a hole
+  const LthSurface *both[2] = {torus, open};
+  uint64_t seed = 17;
+  for (int k = 0; k < 60; k++) {
+    LthWinding *w = winding_of(ctx, both[k % 2]);
+    LthWindingNear *larger = malloc(sizeof *larger), *near = malloc(sizeof *near);
+    double center[3], inner[3], half[3], quarter[3], x[3];
+    random_point(&seed, 1.2, center);
+    for (int a = 0; a < 3; a++) {
+      half[a] = 0.02 + 0.1 * test_random(&seed);
+      quarter[a] = half[a] / 4;
+      inner[a] = center[a] + 0.7 * half[a] * (2 * test_random(&seed) - 1);
+    }
+    assert_true(lth_winding_near(w, NULL, center, half, larger));
+    assert_true(lth_winding_near(w, larger, inner, quarter, near));
+    assert_true(near->n <= larger->n);
+    for (int p = 0; p < 20; p++) {
+      for (int a = 0; a < 3; a++) x[a] = inner[a] + quarter[a] * (2 * test_random(&seed) - 1);
+      double direct = lth_winding_direct(w, x);
+      CHECK_NEAR(lth_winding_near_number(larger, x), direct, LTH_WINDING_NEAR_ERROR);
+      CHECK_NEAR(lth_winding_near_number(near, x), direct, LTH_WINDING_NEAR_ERROR);
+    }
+    free(larger), free(near);
+    lth_winding_destroy(ctx, &w);
+  }
+  solid_free(ctx, &torus), solid_free(ctx, &open);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void any_number_of_threads_gives_the_same_bits(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -233,6 +266,7 @@ int main(void) {
       cmocka_unit_test(the_tree_keeps_its_bound),
       cmocka_unit_test(the_error_of_a_group_falls_with_the_fifth_power_of_its_distance),
       cmocka_unit_test(inside_is_what_the_sum_says),
+      cmocka_unit_test(boxes_have_their_numbers_ready),
       cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
       cmocka_unit_test(no_triangles_wind_around_nothing),
   };
