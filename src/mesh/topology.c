@@ -65,6 +65,18 @@ static LitheStatus copy_cells(LitheCtx *ctx, LthTopology *t, const LthMesh *mesh
   return LITHE_OK;
 }
 
+/// The largest distance of a corner from the face's plane.
+static double flatness(const LthTopology *t, LitheIndex face) {
+  LthFaceView view = lth_topology_face(t, face);
+  double most = 0;
+  for (LitheIndex j = 0; j < t->faces[face].n_corners; j++) {
+    double d[3];
+    lth_v3_sub(t->points + 3 * (LitheCount)view.loop_point[j], t->origin, d);
+    most = fmax(most, fabs(lth_v3_dot(view.normal, d) - view.normal[3]));
+  }
+  return most;
+}
+
 /// Faces with their planes. Those along axes get the same bits wherever they lie in the same plane.
 static LitheStatus copy_faces(LitheCtx *ctx, LthTopology *t, const LthMesh *mesh) {
   for (LitheIndex f = 0; f < mesh->n_faces; f++) {
@@ -82,6 +94,7 @@ static LitheStatus copy_faces(LitheCtx *ctx, LthTopology *t, const LthMesh *mesh
     LITHE_TRY(lth_topology_add_face(ctx, t, &like, view.n_loops, view.loop_off, view.loop_point,
                                     false, &face));
     if (like.cell[1] < 0) t->area += t->faces[face].area;
+    t->off_plane = fmax(t->off_plane, flatness(t, face));
   }
   return LITHE_OK;
 }

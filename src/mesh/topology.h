@@ -64,6 +64,7 @@ typedef struct LthTopology {
   LitheCount n_pool, n_waste;
   double origin[3];
   double rounding;  ///< of the largest coordinate [m]
+  double off_plane; ///< no corner is farther from the plane of its face, but for rounding [m]
   double cell_size; ///< typical edge [m]
   double volume;    ///< when it was made [m^3]; operations keep it
   double area;      ///< of the boundary when it was made [m^2]; kept but for faces of cuts

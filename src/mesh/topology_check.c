@@ -6,8 +6,7 @@
 #include <float.h>
 #include <stdlib.h>
 
-/// Points of a face are this close to its plane, as a share of its cells, and cells closed to this share of their area.
-#define PLANE_SHARE 1e-7
+/// Cells are closed to this share of their area, and keep this share of their volume.
 #define CLOSED_SHARE 1e-12
 #define KEPT_SHARE 1e-12
 
@@ -44,7 +43,7 @@ static LitheStatus check_face(LitheCtx *ctx, const LthTopology *t, LitheIndex fa
   if (f->is_line) return LITHE_OK;
 
   // area, orientation, plane
-  double n[3], size = sqrt(t->cells[f->cell[0]].area);
+  double n[3];
   lth_mesh_area_vector(&view, n);
   if (!(f->area > 0) || !(lth_v3_dot(n, f->plane) / 2 >= 0.5 * f->area))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "topology: face %d has the area %g, its corners %g", face,
@@ -53,7 +52,7 @@ static LitheStatus check_face(LitheCtx *ctx, const LthTopology *t, LitheIndex fa
     double d[3];
     lth_v3_sub(t->points + 3 * (LitheCount)view.loop_point[j], t->origin, d);
     double height = lth_v3_dot(d, f->plane) - f->plane[3];
-    if (!(fabs(height) <= PLANE_SHARE * size + 64 * t->rounding))
+    if (!(fabs(height) <= t->off_plane + 64 * t->rounding))
       LITHE_FAIL(ctx, LITHE_BAD_INPUT, "topology: corner %d of face %d is %g m off its plane", j,
                  face, height);
   }

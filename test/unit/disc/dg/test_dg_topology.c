@@ -1,0 +1,91 @@
+/// Matrices on meshes that were split: positive definite, and well conditioned once slivers are merged.
+#include "dg_body.h"
+#include "topology_ops.h"
+
+static LthTopology *cube(LitheCtx *ctx, LthGrid g) {
+  LthMesh *mesh = NULL;
+  LthTopology *t = NULL;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &g, &mesh));
+  CHECK_OK(ctx, lth_topology_create(ctx, mesh, &t));
+  lth_mesh_destroy(ctx, &mesh);
+  return t;
+}
+
+/// Smallest and largest eigenvalue of the stiffness of a topology, held where it faces down.
+static void eigenvalues(LitheCtx *ctx, LthTopology *t, int degree, double *min, double *max) {
+  LthMesh *mesh = NULL;
+  CHECK_OK(ctx, lth_topology_mesh(ctx, t, 0, NULL, &mesh, NULL, NULL));
+  TestBody b = test_body_of(ctx, mesh, degree);
+  test_hold(&b, test_facing_down_z);
+  test_assemble(&b, 0);
+  CHECK_AT_MOST(lth_block_matrix_asymmetry(b.K), 1e-13);
+  test_eigenvalues(&b, min, max);
+  test_body_end(&b);
+}
+
+static double condition(LitheCtx *ctx, LthTopology *t, int degree) {
+  double min = 0, max = 0;
+  eigenvalues(ctx, t, degree, &min, &max);
+  assert_true(min > 0);
+  return max / min;
+}
+
+static void random_splits_leave_the_matrix_positive_definite(void **state) {
+  (void)state;
+  uint64_t seed = 3;
+  LitheCtx *ctx = test_ctx();
+  for (int i = 0; i < 8; i++) {
+    LthTopology *t = cube(ctx, (LthGrid){{0, 0, 0}, {2, 1, 1}, {2, 1, 1}});
+    double min = 0, max = 0;
+    LitheIndex n = 0;
+    for (int k = 0; k < 5; k++) {
+      LitheIndex cell = topology_random_cell(t, &seed);
+      LthPlane p = topology_plane(t, cell, NULL, &seed);
+      LthSplit s;
+      CHECK_OK(ctx, lth_topology_split(ctx, t, cell, &p, -1, &s));
+    }
+    CHECK_OK(ctx, lth_topology_merge_slivers(ctx, t, 0, NULL, 1e-3, &n));
+    eigenvalues(ctx, t, 1 + i % 2, &min, &max);
+    CHECK_AT_LEAST(min, 1e-10 * max);
+    lth_topology_destroy(ctx, &t);
+  }
+  lithe_ctx_destroy(&ctx);
+}
+
+/// A plane beside a layer of faces makes slivers of thickness `by`: the condition grows as 1 / by. Merged, it stays
+/// what it was.
+static void merging_slivers_bounds_the_condition(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthGrid g = {{0, 0, 0}, {2, 2, 2}, {2, 2, 2}};
+  for (int degree = 1; degree <= 2; degree++) {
+    LthTopology *t = cube(ctx, g);
+    double whole = condition(ctx, t, degree), last = whole;
+    lth_topology_destroy(ctx, &t);
+    for (double by = 1e-2; by > 1e-5; by /= 10) {
+      t = cube(ctx, g);
+      LthPlane p = {{1 + by, 1, 1}, {1, 0.1 * by, 0}};
+      assert_int_equal(topology_cut_all(ctx, t, &p, -1), 4);
+      double thin = condition(ctx, t, degree);
+      CHECK_AT_LEAST(thin, 5 * last);
+      LitheIndex n = 0;
+      CHECK_OK(ctx, lth_topology_merge_slivers(ctx, t, 0, NULL, 0.1, &n));
+      assert_int_equal(n, 4);
+      double merged = condition(ctx, t, degree);
+      printf("degree %d, thickness %.0e: condition %.3g, merged %.3g, whole %.3g\n", degree, by,
+             thin, merged, whole);
+      CHECK_AT_MOST(merged, 2 * whole);
+      last = thin;
+      lth_topology_destroy(ctx, &t);
+    }
+  }
+  lithe_ctx_destroy(&ctx);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(random_splits_leave_the_matrix_positive_definite),
+      cmocka_unit_test(merging_slivers_bounds_the_condition),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
