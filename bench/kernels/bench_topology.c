@@ -1,4 +1,4 @@
-/// One plane through a body of hexahedra, 1 000, 10 000 and 100 000 of them: time of splitting, of the bases, the face and
+/// A plane through a body of hexahedra, 1 000, 10 000 and 100 000 of them: time of splitting, of the bases, the face and
 /// element matrices and the assembly (values alone) of what was touched and its neighbours, in all and for each element touched;
 /// beside these a new matrix with its pattern, the start, and the mesh of all. One core.
 /// `--csv` prints rows; `--degree K` takes functions of degree K; `--cells N` takes N^3 hexahedra alone.
@@ -98,16 +98,21 @@ static LitheStatus time_cut(LitheCtx *ctx, const LthMesh *mesh, int degree, bool
   LitheIndex *cells = NULL, n_births = 0;
   bool *is_listed = NULL;
   double start = lth_now();
-  const LthPlane plane = {{0.5012, 0.4979, 0.5031}, {0.02, 0.03, 1}};
+  // the first plane finds its memory, the second is timed
+  const LthPlane planes[2] = {{{0.3012, 0.2979, 0.2031}, {0.02, 0.03, 1}},
+                              {{0.5012, 0.4979, 0.5031}, {0.02, 0.03, 1}}};
   LthCut cut;
   LITHE_TRY_OR(done, lth_topology_create(ctx, mesh, &t));
   timed(&row->create, start);
   LTH_NEW_OR(done, ctx, cells, 4 * (LitheCount)mesh->n_cells);
   LTH_NEW_OR(done, ctx, is_listed, 4 * (LitheCount)mesh->n_cells);
-  LitheIndex n = crossed(t, &plane, cells);
-  start = lth_now();
-  LITHE_TRY_OR(done, lth_topology_cut(ctx, t, n, cells, 1, &plane, LTH_TAG_CUT, &cut));
-  timed(&row->cut, start);
+  for (int i = 0; i < 2; i++) {
+    LITHE_TRY_OR(done, lth_topology_forget(ctx, t));
+    LitheIndex n = crossed(t, planes + i, cells);
+    start = lth_now();
+    LITHE_TRY_OR(done, lth_topology_cut(ctx, t, n, cells, 1, planes + i, LTH_TAG_CUT - i, &cut));
+    if (i == 1) timed(&row->cut, start);
+  }
   start = lth_now();
   LitheIndex n_patch = touched(t, is_listed, cells, &n_births);
   LITHE_TRY_OR(done, lth_topology_mesh(ctx, t, n_patch, cells, &patch, NULL, NULL));
@@ -141,8 +146,8 @@ static LitheStatus time_body(LitheCtx *ctx, LitheIndex n, int degree, bool csv) 
   printf(csv ? "%d,%d,%d,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f,%.2f,%.2f,%.2f\n"
              : "%8d %8d %6d %9.2f %8.2f %8.2f %9.2f %9.2f %8.2f %11.1f %8.1f %11.1f %11.1f\n",
          r.n_cells, r.n_touched, r.n_ring, 1e3 * r.cut, 1e3 * r.patch, 1e3 * r.space,
-         1e3 * r.matrices, 1e3 * r.assembly, 1e3 * total, 1e6 * total / r.n_touched, 1e3 * r.create,
-         1e3 * r.whole);
+         1e3 * r.matrices, 1e3 * r.assembly, 1e3 * total, 1e6 * total / r.n_touched,
+         1e3 * r.pattern, 1e3 * r.create, 1e3 * r.whole);
 done:
   lth_mesh_destroy(ctx, &mesh);
   return status;
