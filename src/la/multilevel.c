@@ -50,6 +50,11 @@ static void rigid_motions(const double *one, const double *position, const uint8
   }
 }
 
+/// Motions that were given, zero at held unknowns.
+static void copy_near(const double *given, const uint8_t *held, LitheCount n, double *near) {
+  for (LitheCount i = 0; i < LTH_ML_MODES * n; i++) near[i] = held[i / LTH_ML_MODES] ? 0 : given[i];
+}
+
 static void free_level(LitheCtx *ctx, LthLevel *l) {
   lth_block_matrix_destroy(ctx, &l->own);
   lth_block_jacobi_destroy(ctx, &l->jacobi);
@@ -191,7 +196,10 @@ static LitheStatus build(LitheCtx *ctx, LthMultilevel *M) {
   LITHE_TRY(open_level(ctx, l, A));
   LTH_NEW(ctx, l->held, A->n);
   find_held(A, threads, l->held);
-  rigid_motions(M->def.one, M->def.position, l->held, A->n, l->near);
+  if (M->def.near)
+    copy_near(M->def.near, l->held, A->n, l->near);
+  else
+    rigid_motions(M->def.one, M->def.position, l->held, A->n, l->near);
   for (M->n_levels = 1; M->n_levels < LTH_ML_LEVELS; M->n_levels++, l++) {
     LthBlockMatrix *coarse = NULL;
     LITHE_TRY(lth_block_jacobi_update(ctx, l->jacobi, l->A, NULL));
@@ -214,7 +222,7 @@ LitheStatus lth_multilevel_create(LitheCtx *ctx, const LthMultilevelDef *def, Lt
   LTH_NEW_OR(done, ctx, M, 1);
   M->def = *def;
   LITHE_TRY_OR(done, build(ctx, M));
-  M->def.position = NULL;
+  M->def.position = M->def.near = NULL;
   M->bytes = lth_alloc_bytes(ctx) - before;
   *out = M;
   M = NULL;

@@ -7,7 +7,8 @@
 typedef struct LthMultilevelDef {
   const LthBlockMatrix *A; ///< symmetric positive definite, borrowed for life
   const double *one;       ///< coefficients of the function 1, borrowed for life       (n / 3)
-  const double *position;  ///< coefficients of the map x -> x, or of where bodies are; not kept (n)
+  const double *near; ///< rigid motions by row, instead of `one` and `position`; not kept (n x 6)
+  const double *position; ///< coefficients of the map x -> x, or of where bodies are; not kept (n)
   LitheIndex n_linear; ///< leading unknowns of a block row that span the linear functions; 0: all
 } LthMultilevelDef;
 
@@ -18,7 +19,7 @@ typedef struct LthMultilevel LthMultilevel;
 LitheStatus lth_multilevel_create(LitheCtx *ctx, const LthMultilevelDef *def, LthMultilevel **M);
 void lth_multilevel_destroy(LitheCtx *ctx, LthMultilevel **M);
 
-/// Take over A's new values and new places (position may be NULL: as before): aggregates and patterns stay,
+/// Take over A's new values and new places (position may be NULL, as it must where `near` was given: as before): aggregates and patterns stay,
 /// nothing is allocated. `extra` (laid out as for lth_block_jacobi_update(), borrowed until the next update, or
 /// NULL) is added to the diagonal blocks of A. Held unknowns must be the same.
 LitheStatus lth_multilevel_update(LitheCtx *ctx, LthMultilevel *M, const double *position,

@@ -10,7 +10,9 @@
 typedef struct ShapeDef {
   int dim, n; ///< cells along the unit box
   bool (*inside)(const double x[3]);
-  bool (*held)(const double x[3]);    ///< NULL: nothing
+  bool (*held)(const double x[3]); ///< NULL: nothing
+  bool (*axis)(const double x[3],
+               int a);                ///< of what is held: whether component a is; NULL: all are
   double (*young)(const double x[3]); ///< NULL: 1
   double nu, rho, least;              ///< least: fraction of rule A; 0: 1e-4
   int samples;                        ///< along a part; 0: 2
@@ -65,6 +67,19 @@ static double shape_young(const ShapeDef *d, const LthSparseGrid *g, const Lithe
   return d->young ? d->young(x) : 1;
 }
 
+/// Harmonic mean of the four cells around an edge, as bodies have it: an edge of a stiff part's rim is soft.
+static double shape_edge_young(const ShapeDef *d, const LthSparseGrid *g, const LitheIndex cell[3],
+                               int e) {
+  double soft = 0;
+  for (int q = 0; q < 4; q++) {
+    double at[3] = {0.5, 0.5, 0.5};
+    at[(e + 1) % 3] -= q & 1;
+    at[(e + 2) % 3] -= q >> 1;
+    soft += 0.25 / shape_young(d, g, cell, at);
+  }
+  return 1 / soft;
+}
+
 /// Blocks with material and those around them.
 static void shape_blocks(const ShapeDef *d, const double h[3], const LitheIndex n[3],
                          uint8_t *wanted) {
@@ -110,10 +125,8 @@ static inline void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *par
     }
     for (int e = 0; e < 3; e++) {
       if (!l->shear[e]) continue;
-      double at[3] = {0, 0, 0};
-      at[e] = 0.5;
-      l->shear[e][s] = shape_box(d, g, part, c, 7 & ~(1 << e) & ~flat) * shape_young(d, g, c, at) /
-                       (2 * (1 + d->nu));
+      l->shear[e][s] = shape_box(d, g, part, c, 7 & ~(1 << e) & ~flat) *
+                       shape_edge_young(d, g, c, e) / (2 * (1 + d->nu));
     }
     for (int a = 0; a < d->dim; a++) {
       double at[3] = {0.5, 0.5, 0.5}, x[3];
@@ -121,7 +134,8 @@ static inline void shape_fill(ShapeLevel *S, const ShapeDef *d, const float *par
       lth_sparse_grid_place(g, c, at, x);
       if (d->dim == 2) x[2] = 0;
       l->mass[a][s] = d->rho * shape_box(d, g, part, c, 1 << a);
-      l->state[a][s] = d->held && d->held(x) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
+      bool held = d->held && d->held(x) && (!d->axis || d->axis(x, a));
+      l->state[a][s] = held ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
     }
   }
   lth_staggered_rule_a(S->ctx, l);

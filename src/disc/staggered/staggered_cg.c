@@ -1,6 +1,7 @@
 /// Conjugate gradients in double precision around the V-cycle, on vectors that lie as the blocks do.
 // Vectors p, r and q; the V-cycle's x and y lie where q does: q is of use between A p and the next residual alone.
 #include "disc/staggered/staggered_multigrid_priv.h"
+#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <string.h>
@@ -48,7 +49,7 @@ void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held
     }
 }
 
-/// w += alpha p, then p = z + beta p, in one sweep; z is x of the V-cycle, or NULL: p stays.
+/// w += alpha p (unless w is NULL), then (`renew`) p = z + beta p, in one sweep; z is x of the V-cycle.
 static void turn_direction(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha, double beta,
                            bool renew, double *w) {
   const LthFastLevel *L = &M->level[0];
@@ -58,7 +59,7 @@ static void turn_direction(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha
   for (LitheIndex k = 0; k < L->n_active; k++) {
     LitheIndex b = L->active[k];
     double *p = M->p + b * M->block;
-    if (alpha != 0)
+    if (alpha != 0 && w)
       for (LitheCount i = 0; i < n; i++) {
         LitheIndex f = func_of(M, b * n + i);
         if (f < 0) continue;
@@ -175,6 +176,37 @@ static LitheStatus iterate(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOpe
   }
   turn_direction(ctx, M, alpha, 0, false, w);
   *iterations += it;
+  return LITHE_OK;
+}
+
+/// r = the volume around every free unknown, in a direction that favours none.
+static void uniform_force(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  static const double direction[3] = {0.6, -1, 0.8};
+  const LthStaggeredLevel *l = &M->fine;
+  const LitheCount n = l->grid->block_cells;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
+    for (int a = 0; a < l->grid->dim; a++)
+      for (LitheCount i = 0; i < n; i++) {
+        const LitheCount slot = b * n + i;
+        LitheIndex cell[3];
+        lth_cell_of(l->grid, slot, cell);
+        LitheCount before = lth_slot_along(l->grid, cell, a, -1);
+        double V = l->volume[slot] + (before < 0 ? 0 : l->volume[before]);
+        bool counts = l->state[a][slot] == LTH_UNKNOWN_FREE;
+        M->r[b * M->block + a * n + i] = counts ? V * direction[a] : 0;
+      }
+}
+
+LitheStatus lth_staggered_multigrid_trial(LitheCtx *ctx, LthStaggeredMultigrid *M, double tolerance,
+                                          LitheIndex most, bool *reached) {
+  uniform_force(ctx, M);
+  const double norm = sqrt(advance(ctx, M, 0, 1)), scale = norm > 0 ? 1 / norm : 1;
+  LitheIndex iterations = 0;
+  bool definite = true;
+  advance(ctx, M, 0, scale);
+  LITHE_TRY(iterate(ctx, M, NULL, scale, tolerance * norm, most, NULL, &iterations, &definite));
+  *reached = definite && iterations < most;
   return LITHE_OK;
 }
 

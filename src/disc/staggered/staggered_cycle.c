@@ -57,14 +57,9 @@ static void prolong_up(LitheCtx *ctx, LthFastLevel *L, const LthFastLevel *coars
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, add);
 }
 
-/// Exact, or many steps where the level is too large for that.
-static LitheStatus solve_coarsest(LitheCtx *ctx, LthStaggeredMultigrid *M, double *sum) {
-  LthFastLevel *L = &M->level[M->n_levels - 1];
-  if (!M->coarsest.A) {
-    start(ctx, L);
-    smooth(ctx, L, 2, 40, sum);
-    return LITHE_OK;
-  }
+/// x of the coarsest level by its factor.
+static LitheStatus solve_coarsest(LthFastLevel *L, LitheCtx *ctx, LthStaggeredMultigrid *M,
+                                  double *sum) {
   LITHE_TRY(lth_staggered_coarsest_solve(ctx, &M->coarsest));
   for (LitheIndex i = 0; sum && i < L->n_active; i++) {
     LitheIndex b = L->active[i];
@@ -75,18 +70,32 @@ static LitheStatus solve_coarsest(LitheCtx *ctx, LthStaggeredMultigrid *M, doubl
   return LITHE_OK;
 }
 
+/// x += what the coarser level, or that of rigid clusters, makes of the residual.
+static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
+  LthFastLevel *L = &M->level[l];
+  if (l < M->n_levels - 1) {
+    restrict_down(ctx, L, L + 1, false);
+    LITHE_TRY(lth_staggered_cycle(ctx, M, l + 1, true, NULL));
+    prolong_up(ctx, L, L + 1, true);
+    return LITHE_OK;
+  }
+  if (!M->clusters) return LITHE_OK;
+  const LthFastKernels *k = lth_fast_kernels(L);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < L->n_active; b++) k->residual(L, L->active[b]);
+  return lth_staggered_clusters_correct(ctx, M->clusters);
+}
+
 LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool from_zero,
                                 double *product) {
   double *sum = l == 0 ? M->sum : NULL;
-  if (l == M->n_levels - 1) {
-    LITHE_TRY(solve_coarsest(ctx, M, sum));
+  LthFastLevel *L = &M->level[l];
+  if (l == M->n_levels - 1 && M->coarsest.A) {
+    LITHE_TRY(solve_coarsest(L, ctx, M, sum));
   } else {
-    LthFastLevel *L = &M->level[l], *coarse = &M->level[l + 1];
     if (from_zero) start(ctx, L);
     smooth(ctx, L, from_zero ? 2 : 1, M->degree, NULL);
-    restrict_down(ctx, L, coarse, false);
-    LITHE_TRY(lth_staggered_cycle(ctx, M, l + 1, true, NULL));
-    prolong_up(ctx, L, coarse, true);
+    LITHE_TRY(correct(ctx, M, l));
     smooth(ctx, L, 1, M->degree, sum);
   }
   if (product) *product = lth_staggered_sum(M);

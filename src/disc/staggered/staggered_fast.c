@@ -277,6 +277,13 @@ LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *co
   return LITHE_OK;
 }
 
+void lth_fast_level_unlink(LitheCtx *ctx, LthFastLevel *L) {
+  lth_free(ctx, L->scale);
+  L->scale = NULL;
+  L->n_scaled = 0;
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++) L->scaled[b] = -1;
+}
+
 /// All zero, as before a solve.
 void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *L) {
   LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;

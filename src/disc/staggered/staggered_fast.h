@@ -54,6 +54,8 @@ void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *fast);
 void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *fast, double cm, double ck, double unit);
 /// Scales of the interpolation from a coarser level, once; both levels' x are overwritten.
 LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *fast, LthFastLevel *coarse);
+/// Forget them: there is no coarser level.
+void lth_fast_level_unlink(LitheCtx *ctx, LthFastLevel *fast);
 /// Zeros in all vectors.
 void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *fast);
 LitheCount lth_fast_level_bytes(const LthFastLevel *fast);

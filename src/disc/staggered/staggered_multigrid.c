@@ -4,6 +4,10 @@
 #include <math.h>
 #include <string.h>
 
+#define CONTRAST 30          // of stiffness, up to which coarser grids are not doubted
+#define TRIAL_TOLERANCE 1e-5 // what a trial has to come to
+#define TRIAL_ITERATIONS 15
+
 /// Unknowns up to which the coarsest level is worth a factor.
 static LitheCount factor_limit(int dim) { return dim == 3 ? 30000 : 200000; }
 
@@ -30,6 +34,7 @@ void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **mult
   LthStaggeredMultigrid *M = *multigrid;
   if (!M) return;
   lth_staggered_coarsest_free(ctx, &M->coarsest);
+  lth_staggered_clusters_destroy(ctx, &M->clusters);
   for (int l = 0; l < LTH_STAGGERED_MAX_LEVELS; l++) {
     lth_fast_level_free(ctx, &M->level[l]);
     lth_free(ctx, M->vectors[l]);
@@ -58,6 +63,15 @@ static LitheStatus lend_vectors(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) 
   return LITHE_OK;
 }
 
+/// What is below the last level: its factor, or rigid clusters.
+static LitheStatus build_bottom(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  LthFastLevel *last = &M->level[M->n_levels - 1];
+  LitheCount most = M->def.factored > 0 ? M->def.factored : factor_limit(M->fine.grid->dim);
+  LITHE_TRY(lth_staggered_coarsest_create(ctx, last, most, &M->coarsest));
+  if (M->coarsest.A || M->hierarchy->n_free[M->n_levels - 1] == 0) return LITHE_OK;
+  return lth_staggered_clusters_create(ctx, last, most, &M->clusters);
+}
+
 static LitheStatus build_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   LITHE_TRY(lth_staggered_hierarchy_create(ctx, &M->fine, NULL, &M->hierarchy));
   LTH_NEW(ctx, M->r, M->fine.grid->n_blocks * M->block);
@@ -67,8 +81,24 @@ static LitheStatus build_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   for (int l = 0; l + 1 < M->n_levels; l++)
     LITHE_TRY(lth_fast_level_link(ctx, &M->level[l], &M->level[l + 1]));
   for (int l = 0; l < M->n_levels; l++) lth_fast_level_clear(ctx, &M->level[l]);
-  LthFastLevel *last = &M->level[M->n_levels - 1];
-  return lth_staggered_coarsest_create(ctx, last, factor_limit(M->fine.grid->dim), &M->coarsest);
+  return build_bottom(ctx, M);
+}
+
+/// The finest level alone, for bodies that coarser grids do not help.
+static LitheStatus drop_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  const LthCoarsenDef none = {.enough = INT64_MAX};
+  lth_staggered_coarsest_free(ctx, &M->coarsest);
+  lth_staggered_clusters_destroy(ctx, &M->clusters);
+  for (int l = 1; l < M->n_levels; l++) {
+    lth_fast_level_free(ctx, &M->level[l]);
+    lth_free(ctx, M->vectors[l]);
+    M->vectors[l] = NULL;
+  }
+  M->n_levels = 1;
+  lth_staggered_hierarchy_destroy(ctx, &M->hierarchy);
+  LITHE_TRY(lth_staggered_hierarchy_create(ctx, &M->fine, &none, &M->hierarchy));
+  lth_fast_level_unlink(ctx, &M->level[0]);
+  return build_bottom(ctx, M);
 }
 
 /// Largest coefficient: what single precision is measured in.
@@ -91,6 +121,38 @@ static int degree_of(const LthStaggeredMultigrid *M) {
   return (int)fmin(20, round(3 * sqrt(2 + ratio)));
 }
 
+/// Greatest over least stiffness of cells that hold something.
+static double contrast_of(const LthStaggeredMultigrid *M) {
+  const LthStaggeredLevel *l = &M->fine;
+  double least = INFINITY, greatest = 0;
+  for (LitheCount s = 0; l->volume && s < l->grid->n_slots; s++) {
+    if (!(l->mu[s] > 0 && l->volume[s] > 0)) continue;
+    least = fmin(least, l->mu[s] / l->volume[s]);
+    greatest = fmax(greatest, l->mu[s] / l->volume[s]);
+  }
+  return greatest > 0 ? greatest / least : 1;
+}
+
+static LitheStatus set_coefficients(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  for (int l = 0; l < M->n_levels; l++) {
+    LITHE_TRY(lth_fast_level_reserve(ctx, &M->level[l], M->cm != 0));
+    lth_fast_level_set(ctx, &M->level[l], M->cm, M->ck, M->unit);
+  }
+  if (M->clusters) return lth_staggered_clusters_set(ctx, M->clusters, M->cm, M->ck, M->unit);
+  return lth_staggered_coarsest_set(ctx, &M->coarsest, M->cm, M->ck, M->unit);
+}
+
+/// Where stiffness jumps, grids may do well or not at all: stiff parts that touch what is held are no trouble, those that
+/// float are. A trial shows it, once.
+static LitheStatus try_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  bool reached;
+  if (M->n_levels == 1 || contrast_of(M) < CONTRAST) return LITHE_OK;
+  LITHE_TRY(lth_staggered_multigrid_trial(ctx, M, TRIAL_TOLERANCE, TRIAL_ITERATIONS, &reached));
+  if (reached) return LITHE_OK;
+  LITHE_TRY(drop_levels(ctx, M));
+  return set_coefficients(ctx, M);
+}
+
 LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid *M, double cm,
                                             double ck) {
   bool built = M->hierarchy != NULL;
@@ -100,11 +162,8 @@ LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid
   M->ck = ck;
   M->unit = unit_of(M, cm, ck);
   M->degree = degree_of(M);
-  for (int l = 0; l < M->n_levels; l++) {
-    LITHE_TRY(lth_fast_level_reserve(ctx, &M->level[l], cm != 0));
-    lth_fast_level_set(ctx, &M->level[l], cm, ck, M->unit);
-  }
-  return lth_staggered_coarsest_set(ctx, &M->coarsest, cm, ck, M->unit);
+  LITHE_TRY(set_coefficients(ctx, M));
+  return built ? LITHE_OK : try_levels(ctx, M);
 }
 
 void lth_staggered_multigrid_apply(LthStaggeredMultigrid *M, int threads, double cm, double ck,
@@ -122,6 +181,7 @@ LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *M) {
   LitheCount values = M->fine.grid->n_blocks * M->block, bytes = 16 * values;
   if (M->r) bytes += 8 * values + lth_staggered_hierarchy_bytes(M->hierarchy);
   if (M->extra_x) bytes += 16 * M->def.n_dofs;
+  if (M->clusters) bytes += lth_staggered_clusters_bytes(M->clusters);
   for (int l = 0; l < M->n_levels; l++) {
     const LthSparseGrid *g = M->level[l].grid;
     bytes += lth_fast_level_bytes(&M->level[l]);

@@ -1,6 +1,7 @@
 /// The open solver, shared by staggered_multigrid.c, staggered_cycle.c and staggered_cg.c.
 #pragma once
 
+#include "disc/staggered/staggered_clusters.h"
 #include "disc/staggered/staggered_coarsest.h"
 #include "disc/staggered/staggered_fast.h"
 #include "disc/staggered/staggered_multigrid.h"
@@ -12,6 +13,7 @@ struct LthStaggeredMultigrid {
   int n_levels;                     ///< 1 before that
   LthFastLevel level[LTH_STAGGERED_MAX_LEVELS];
   LthStaggeredCoarsest coarsest;
+  LthStaggeredClusters *clusters; ///< below the coarsest level where that has no factor, else NULL
   double cm, ck, unit;
   int degree;
   LitheCount block; ///< values of a block: dim block_cells
@@ -36,3 +38,6 @@ void lth_staggered_scatter(const LthStaggeredMultigrid *M, int threads, bool onl
 /// The way back: y = blocks at unknowns that are free, or (`held`) not dead; else y is 0.
 void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held,
                           const double *blocks, double *y);
+/// Whether a solve for uniform forces comes below a tolerance in less than `most` iterations; uses r and p.
+LitheStatus lth_staggered_multigrid_trial(LitheCtx *ctx, LthStaggeredMultigrid *M, double tolerance,
+                                          LitheIndex most, bool *reached);
