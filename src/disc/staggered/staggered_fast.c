@@ -281,7 +281,10 @@ void lth_fast_level_unlink(LitheCtx *ctx, LthFastLevel *L) {
   lth_free(ctx, L->scale);
   L->scale = NULL;
   L->n_scaled = 0;
-  for (LitheIndex b = 0; b < L->grid->n_blocks; b++) L->scaled[b] = -1;
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++) {
+    L->scaled[b] = -1;
+    L->same_scale[b] = 1;
+  }
 }
 
 /// All zero, as before a solve.

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #define CONTRAST 30          // of stiffness, up to which coarser grids are not doubted
-#define TRIAL_TOLERANCE 1e-5 // what a trial has to come to
-#define TRIAL_ITERATIONS 15
+#define TRIAL_TOLERANCE 1e-8 // what a trial has to come to
+#define TRIAL_ITERATIONS 20
 
 /// Unknowns up to which the coarsest level is worth a factor.
 static LitheCount factor_limit(int dim) { return dim == 3 ? 30000 : 200000; }
