@@ -29,7 +29,7 @@ ALLOWED = {
     "step": LOW | {"mesh", "material", "disc", "disc/dg", "embed", "system"},
     "io": LOW | {"mesh"},
     "scene": LOW | {"mesh", "material", "disc", "disc/dg", "disc/cg", "disc/staggered", "embed", "system", "couple", "step", "io"},
-    "study": LOW | {"mesh", "disc", "disc/staggered", "system", "step", "io", "scene"},
+    "study": LOW | {"mesh", "disc", "disc/dg", "disc/staggered", "embed", "system", "step", "io", "scene"},
 }
 # the table of engines is the one place that names them
 EXCEPTIONS = {("src/la/engine.c", "engine/local")}

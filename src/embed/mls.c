@@ -5,7 +5,7 @@
 #include "base/tensor.h"
 #include "geometry/bvh.h"
 
-#define THETA_END 0.011108996538242306 ///< exp(-4.5): the Gaussian where it is cut off
+#define THETA_END 0.011108996538242306 ///< exp(-4.5): the Gaussian at its radius
 #define EIGEN_CUT 1e-6
 #define SAMPLES_WANTED 6
 #define CONDITION_WANTED 1e3
@@ -95,6 +95,10 @@ void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
   lth_free(ctx, s->theta);
 }
 
+/// A Gaussian less its tangent in d^2 at d = 1, so that value and slope vanish there: cut off with a slope, it would
+/// leave a kink in the surface wherever a sample's reach ends.
+static double weight(double d) { return exp(-4.5 * d * d) - THETA_END * (1 + 4.5 * (1 - d * d)); }
+
 /// Samples within `grown` times their radius of x, of cells connected to `cell` within reach. Sets
 /// candidate and theta; returns their number.
 static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
@@ -112,7 +116,7 @@ static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3],
       s->sample_mark[i] = s->stamp;
       double d = lth_v3_distance(x, set->point + 3 * (size_t)i) / (grown * set->radius[i]);
       if (!(d < 1)) continue;
-      s->theta[n] = exp(-4.5 * d * d) - THETA_END;
+      s->theta[n] = weight(d);
       s->candidate[n++] = i;
     }
     for (LitheIndex k = mls->neighbor_off[c]; k < mls->neighbor_off[c + 1]; k++) {

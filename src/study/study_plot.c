@@ -38,6 +38,9 @@ static int file_column(const LthTable *table, int column) {
   return column + (table->row_title ? 2 : 1);
 }
 
+/// Points of values that no line joins.
+static const int crosses[6] = {1, 2, 3, 10, 12, 8};
+
 static void put_series(FILE *out, const LthPlot *plot, int i) {
   const LthSeries *s = plot->series + i;
   double order = lth_plot_order(plot, s, NULL);
@@ -51,7 +54,7 @@ static void put_series(FILE *out, const LthPlot *plot, int i) {
   fprintf(out, " skip 1 every ::%d::%d using %d:%d with ", s->first, s->last - 1,
           file_column(s->table, s->x), file_column(s->table, s->y));
   if (s->is_printed)
-    fprintf(out, "points pt %d ps 1.1 lw 1.6 lc rgb \"%s\"", 1 + i % 3,
+    fprintf(out, "points pt %d ps 1.1 lw 1.6 lc rgb \"%s\"", crosses[i % 6],
             styles[i % N_STYLES].colour);
   else
     fprintf(out, "linespoints pt %d ps 0.8 lw 1.4 dt %d lc rgb \"%s\"", styles[i % N_STYLES].point,
@@ -71,16 +74,20 @@ static void put_order_line(FILE *out, const LthPlot *plot, int i) {
           styles[i % N_STYLES].colour);
 }
 
-/// Tics at the values themselves, on an axis a little longer than they are.
+/// Tics at the values themselves, on an axis a little longer than they are; not where one would be written over another.
 static void put_log_tics(FILE *out, const LthSeries *s) {
-  double low = INFINITY, high = 0;
+  double low = INFINITY, high = 0, before = NAN;
   if (s->last - s->first > 16) return;
+  for (int row = s->first; row < s->last; row++) {
+    low = fmin(low, lth_table_at(s->table, row, s->x));
+    high = fmax(high, lth_table_at(s->table, row, s->x));
+  }
   fputs("set xtics (", out);
   for (int row = s->first; row < s->last; row++) {
     double x = lth_table_at(s->table, row, s->x);
-    low = fmin(low, x);
-    high = fmax(high, x);
-    fprintf(out, "%s%.10g", row > s->first ? ", " : "", x);
+    if (fabs(log(x / before)) < 0.07 * log(high / low)) continue;
+    fprintf(out, "%s\"%.4g\" %.10g", isnan(before) ? "" : ", ", x, x);
+    before = x;
   }
   fprintf(out, ")\nset xrange [%.10g:%.10g]\n", low / 1.15, high * 1.15);
 }
