@@ -80,7 +80,11 @@ typedef struct LthDiscSolver {
                        LthSolveReport *report);
   /// Displacements for w = 0 (n_dofs), held unknowns where they will be: constraints on positions start from there.
   /// NULL: the discretisation has none. Before every solve() whose w moves the body; u is read at once.
-  void (*aim)(LthDisc *disc, const double *u);
+  /// Where they cannot hold: LITHE_BAD_INPUT.
+  LitheStatus (*aim)(LitheCtx *ctx, LthDisc *disc, const double *u);
+  /// Diagonal of the `extra` of solves to come (n_dofs), NULL: there is none. Before those whose extra is large next to
+  /// K: preconditioners know of it then. Allocates at the first diagonal alone. NULL: makes no use of it.
+  LitheStatus (*stiffen)(LitheCtx *ctx, LthDisc *disc, const double *diagonal);
   LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
 } LthDiscSolver;
 
@@ -92,6 +96,9 @@ typedef struct LthDiscVolume {
   /// W [m^3] and lambda [Pa]                                                              (count each)
   void (*scales)(const LthDisc *disc, double *volume, double *lambda);
   void (*strain)(const LthDisc *disc, int threads, const double *u, double *c); ///< c = C u
+  /// From c = C u of displacements u take what no solution can: the change of volume of parts that are held on all sides,
+  /// which has to be that of rounding or of a curved motion on the grid. LITHE_BAD_INPUT where it is more.
+  LitheStatus (*admit)(LitheCtx *ctx, const LthDisc *disc, const double *u, double *c);
   /// f += C^T W q [N]; q NULL: the pressures that f0 contains.
   void (*push)(const LthDisc *disc, const double *q, double *f);
   /// f += C^T W (pressures as solved last less those in f0).

@@ -46,7 +46,8 @@ double lth_body_modulus(const LthBody *body) {
   for (LitheIndex c = 0; c < body->disc->n_cells; c++) {
     double lambda, mu, young, poisson;
     lth_body_elastic(body, c, &young, &poisson);
-    lth_lame(young, fmin(poisson, 0.499), &lambda, &mu); // what does not shrink is stiff enough
+    lth_lame(young, fmin(poisson, 0.45), &lambda,
+             &mu); // what does not shrink bulges where it is pressed
     modulus = fmax(modulus, lambda + 2 * mu);
   }
   return modulus;

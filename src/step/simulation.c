@@ -36,6 +36,10 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
 
 static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
   if (s->system->has_held) LTH_NEW(ctx, s->held_force, s->n);
+  if (s->own && s->has_contact && s->own->stiffen) { // its block rows are functions
+    s->n_extra = 3 * s->n;
+    LTH_NEW(ctx, s->extra, s->n_extra);
+  }
   if (s->own) return LITHE_OK;
   LITHE_TRY(lth_system_matrix_create(ctx, s->system, &s->A));
   LITHE_TRY(lth_block_jacobi_create(ctx, s->A, &s->jacobi));

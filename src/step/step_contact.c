@@ -42,7 +42,7 @@ void lth_step_contact_diagonal(const LthSimulation *s, double *extra) {
   memset(extra, 0, sizeof *extra * (size_t)s->n_extra);
   for (LitheIndex c = 0; c < s->system->n_contacts; c++)
     lth_contact_add_diagonal(s->system->contacts[c], extra);
-  for (LitheIndex row = 0; s->system->has_held && row < A->n_rows; row++) {
+  for (LitheIndex row = 0; A && s->system->has_held && row < A->n_rows; row++) {
     LitheCount m = A->row_off[row + 1] - A->row_off[row];
     if (s->system->row_held[row]) mask_block(s->system->held + A->row_off[row], m, extra + at);
     at += m * m;

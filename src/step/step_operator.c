@@ -27,15 +27,25 @@ LitheStatus lth_step_prepare_own(LitheCtx *ctx, LthSimulation *s) {
   return s->own->prepare(ctx, only_disc(s), s->cm[0], s->ck[0]);
 }
 
+/// The levels hear of contact.
+static LitheStatus stiffen(LitheCtx *ctx, LthSimulation *s) {
+  if (!s->own->stiffen) return LITHE_OK;
+  if (!s->contact_on) return s->own->stiffen(ctx, only_disc(s), NULL);
+  lth_step_contact_diagonal(s, s->extra);
+  for (LitheCount i = 0; i < s->n; i++) s->scratch[i] = s->extra[9 * (i / 3) + 4 * (i % 3)];
+  return s->own->stiffen(ctx, only_disc(s), s->scratch);
+}
+
 LitheStatus lth_step_solve_own(LitheCtx *ctx, LthSimulation *s, const LthOperator *extra,
                                double tolerance, LthSolveReport *report) {
   bool in_stage = s->rigid.H > 0;
   double reach = in_stage ? s->rigid.H : 1;
   const double *from = in_stage ? s->stage.x_hat : s->x;
+  if (s->has_contact) LITHE_TRY(stiffen(ctx, s));
   if (s->own->aim) {
     for (LitheCount i = 0; i < s->n; i++)
       s->scratch[i] = from[i] - s->x_rest[i] + reach * s->driven[i];
-    s->own->aim(only_disc(s), s->scratch);
+    LITHE_TRY(s->own->aim(ctx, only_disc(s), s->scratch));
   }
   return s->own->solve(ctx, only_disc(s), extra, reach, s->rhs, s->solution, tolerance,
                        s->options.max_iterations, report);

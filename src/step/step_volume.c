@@ -118,13 +118,20 @@ static double find_defect(LitheCtx *ctx, LthSimulation *s) {
 }
 
 /// Where volumes are for w = 0: strains of the places that positions start from.
-static void find_start(LitheCtx *ctx, LthSimulation *s) {
+static LitheStatus find_start(LitheCtx *ctx, LthSimulation *s) {
+  const LthSystem *system = s->system;
   const bool in_stage = s->rigid.H > 0;
   const double *from = in_stage ? s->stage.x_hat : s->x;
   s->volume->H = in_stage ? s->rigid.H : 1;
   for (LitheCount i = 0; i < s->n; i++)
     s->scratch[i] = from[i] - s->x_rest[i] + s->volume->H * s->driven[i];
   find_strain(s, lth_threads(ctx), s->scratch, s->volume->start);
+  for (LitheIndex b = 0; b < system->n_bodies; b++)
+    if (volume_of(s, b))
+      LITHE_TRY(volume_of(s, b)->admit(ctx, system->bodies[b].disc,
+                                       s->scratch + system->dof_first[b],
+                                       s->volume->start + s->volume->first[b]));
+  return LITHE_OK;
 }
 
 /// v->strain = those of w.
@@ -207,7 +214,7 @@ LitheStatus lth_step_volume_solve(LitheCtx *ctx, LthSimulation *s, double tolera
   *report = (LthSolveReport){0};
   memcpy(v->b, s->rhs, bytes);
   memcpy(v->w, s->solution, bytes);
-  find_start(ctx, s);
+  LITHE_TRY(find_start(ctx, s));
   const double size = size_of_load(ctx, s), goal = tolerance * size;
   for (int round = 0;; round++) {
     const double defect = find_defect(ctx, s);

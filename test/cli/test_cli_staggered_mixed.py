@@ -53,6 +53,34 @@ contact: {friction: 0}
 time: static
 probes: [{name: middle, point: [0.05, 0.1]}]
 """
+# held all around, by a displacement that keeps its volume or does not
+CLOSED = """lithe: 1
+dimension: 2
+bodies:
+  - name: disk
+    shape: {disk: {center: [0, 0], radius: 0.1}}
+    material: {model: linear, young_modulus: 100 kPa, poisson_ratio: %g, density: 1000}
+    method: {kind: staggered, cells: %d, formulation: mixed}
+    constraints: [{where: all, displacement: [%s, "0.02*cos(15*x)"]}]
+    loads: [{where: all, body_force: ["1e4*y", 0]}]
+probes: [{name: middle, point: [0.05, 0.01]}]
+solver: {linear: %s}
+"""
+DROP = """lithe: 1
+bodies:
+  - name: ball
+    shape: {sphere: {center: [0, 0.102, 0], radius: 0.1}}
+    material: {model: linear, young_modulus: 100 kPa, poisson_ratio: %g, density: 1000}
+    method: {kind: staggered, cells: 6, formulation: mixed}
+    initial: {velocity: [0.5, -1, 0]}
+gravity: [0, -9.81, 0]
+colliders: [{plane: {point: [0, 0, 0], normal: [0, 1, 0]}}]
+contact: {friction: 0.3}
+time: {kind: dynamic, duration: 0.03, step: 1/200}
+probes: [{name: middle, point: [0, 0.102, 0]}]
+output: {every: last, fields: none}
+solver: {linear: %s}
+"""
 RUBBER = """  - name: rubber
     shape: {box: {min: [0, 0, 0], max: [0.2, 0.2, 0.2]}}
     material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.5, density: 1000}
@@ -133,6 +161,24 @@ with folder() as home:
     expect("bodies_that_keep_their_volume_touch",
            size > 1e-3 and abs(fallen["pcg"][1] - fallen["cholesky"][1]) < 0.01 * size and
            abs(nearly[1] - fallen["cholesky"][1]) < 0.02 * size, (fallen, nearly))
+    bounced = {(nu, way): probe("drop-%g-%s" % (nu, way), DROP % (nu, way)) for nu in (0.49, 0.5)
+               for way in ("multigrid", "cholesky")}
+    expect("without_a_matrix_a_ball_bounces_the_same_way",
+           all(abs(bounced[nu, "multigrid"][a] - bounced[nu, "cholesky"][a]) < 1e-3 * bounced[nu, "cholesky"][0]
+               for nu in (0.49, 0.5) for a in range(2)), bounced)
+
+    turned = {way: probe("closed-" + way, CLOSED % (0.5, 40, '"0.02*sin(20*y)"', way)) for way in ("multigrid", "cholesky")}
+    nearly = probe("closed-nearly", CLOSED % (0.4999, 40, '"0.02*sin(20*y)"', "cholesky"))
+    expect("what_is_held_all_around_keeps_its_volume",
+           all(abs(turned["multigrid"][a] - turned["cholesky"][a]) < 1e-8 and abs(turned["cholesky"][a] - nearly[a]) < 2e-5
+               for a in range(2)), (turned, nearly))
+    for way in ("multigrid", "cholesky"):
+        scene = os.path.join(home, "grows.yaml")
+        with open(scene, "w") as stream:
+            stream.write(CLOSED % (0.5, 24, '"0.01*x"', way))
+        got = run("run", scene, "-q", "-o", os.path.join(home, "grows"))
+        expect("what_is_held_all_around_cannot_grow: " + way,
+               got.returncode == 2 and "change its volume by 1 %" in got.stderr, (got.returncode, got.stderr))
     alone, both = (simulate(home, "turns", TURNS % bodies) for bodies in (BEAM, RUBBER + BEAM))
     expect("rubber_beside_a_beam_that_turns_costs_no_iterations",
            alone["solver"]["converged"] and both["solver"]["converged"] and

@@ -29,7 +29,8 @@ typedef struct LthMixedLevel {
   double *mu, *volume;    ///< V mu [Pa], V; 0 where the cell holds nothing             (n + 1)
   double *compliance;     ///< V / lambda [1/Pa]                                        (n + 1)
   double *shear[3];       ///< V mu of edges that count [Pa]                            (n + 1)
-  double *mass[3];        ///< of faces [Pa/m^2], NULL without inertia                  (n + 1)
+  double *mass[3];        ///< of faces, springs included [Pa/m^2], NULL without both   (n + 1)
+  float *spring[3];       ///< what contact holds faces with, NULL before the first     (n + 1)
   uint8_t *flags;         ///< (n + 1)
   LitheIndex *face[3][2]; ///< interior faces of an axis by red and black
   LitheIndex n_face[3][2];
@@ -91,8 +92,11 @@ LitheStatus lth_mixed_level_create(LitheCtx *ctx, const LthStaggeredLevel *from,
 /// Other masses, and what depends on them.
 void lth_mixed_level_update(LitheCtx *ctx, const LthStaggeredLevel *from, double cm, double ck,
                             bool is_coarse, LthMixedLevel *l);
-/// Inverses of the boxes, anew.
-void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l);
+/// Inverses of the boxes, anew: of all, or of those with a face that is marked (per component over slots).
+void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l, const double *mark);
+/// Springs of a level from l->r, where those that differ are marked then. *changed: some do.
+LitheStatus lth_mixed_level_stiffen(LitheCtx *ctx, const LthStaggeredLevel *from, double inertia,
+                                    bool is_coarse, LthMixedLevel *l, bool *changed);
 /// Who is whose parent, and weights of the interpolation.
 LitheStatus lth_mixed_link(LitheCtx *ctx, LthMixedLevel *fine, LthMixedLevel *coarse);
 /// Arrays of a level over its grid's slots, with neighbours.
@@ -133,6 +137,8 @@ LitheStatus lth_mixed_grid_create(LitheCtx *ctx, const LthStaggeredLevel *from, 
 /// The same for other factors; allocates nothing. Where cm is not 0 it must not have been 0 at first.
 LitheStatus lth_mixed_grid_update(LitheCtx *ctx, LthMixedGrid *grid, double cm, double ck);
 void lth_mixed_grid_destroy(LitheCtx *ctx, LthMixedGrid **grid);
+/// Springs on the faces of level 0, from its r [Pa/m^2], and what they make of coarser levels.
+LitheStatus lth_mixed_grid_stiffen(LitheCtx *ctx, LthMixedGrid *grid, double inertia);
 LitheCount lth_mixed_grid_bytes(const LthMixedGrid *grid);
 
 /// level 0: x = one V-cycle from 0 (or full multigrid) for its b.
@@ -163,7 +169,7 @@ LitheCount lth_mixed_krylov_bytes(const LthMixedKrylov *krylov);
 double *lth_mixed_krylov_x(LthMixedKrylov *krylov);
 double *lth_mixed_krylov_b(LthMixedKrylov *krylov);
 
-/// Solve from the x that stands there; allocates nothing. `extra` may be NULL.
+/// Solve from the x that stands there; allocates at the first `extra` alone, which may be NULL.
 LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *krylov, LthMixedGrid *grid,
                                    const LthMixedExtra *extra, const LthMixedStop *stop,
                                    LthSolveReport *report);

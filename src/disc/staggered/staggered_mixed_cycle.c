@@ -28,10 +28,27 @@ LitheStatus lth_mixed_grid_update(LitheCtx *ctx, LthMixedGrid *g, double cm, dou
   return lth_mixed_coarse_update(ctx, g->coarse, &g->level[g->n_levels - 1]);
 }
 
+/// A face's spring holds what follows it: coarse springs are the transposed interpolation of fine ones, as masses are.
+LitheStatus lth_mixed_grid_stiffen(LitheCtx *ctx, LthMixedGrid *g, double inertia) {
+  bool changed = true;
+  for (int i = 0; i < g->n_levels && changed; i++) {
+    LthMixedLevel *l = &g->level[i], *next = i + 1 < g->n_levels ? &g->level[i + 1] : NULL;
+    LITHE_TRY(lth_mixed_level_stiffen(ctx, &g->hierarchy->level[i], inertia, i > 0, l, &changed));
+    if (!changed || !next) continue;
+    memset(l->r, 0, sizeof *l->r * (size_t)lth_mixed_size(l));
+    for (int a = 0; a < l->dim; a++)
+      for (LitheCount c = 0; c < l->n; c++) l->r[a * l->stride + c] = l->spring[a][c];
+    lth_mixed_restrict(l, next, lth_threads(ctx));
+    memcpy(next->r, next->b, sizeof *next->r * (size_t)lth_mixed_size(next));
+  }
+  return changed ? lth_mixed_coarse_update(ctx, g->coarse, &g->level[g->n_levels - 1]) : LITHE_OK;
+}
+
 static LitheCount level_bytes(const LthMixedLevel *l) {
   const int dim = l->dim, m = 2 * dim + 1;
   LitheCount per_slot = 2 * dim * (LitheCount)sizeof(LitheIndex) + 1 + 4 * (dim + 1);
   per_slot += (LitheCount)sizeof(double) * (3 + (dim == 3 ? 3 : 1) + (l->mass[0] ? dim : 0));
+  per_slot += (LitheCount)sizeof(float) * (l->spring[0] ? dim : 0);
   per_slot += (LitheCount)sizeof(double) * 3 * (dim + 1) + 2 * (LitheCount)sizeof(LitheIndex);
   LitheCount listed = l->box_off[LTH_MIXED_COLORS] * (LitheCount)(1 + m * m);
   for (int color = 0; color < 2; color++) {

@@ -6,13 +6,24 @@
 #include <string.h>
 
 #define KEPT 12 // directions
+#define MOST 60 // with a part that the levels do not know: every point that touches may need one
 
 struct LthMixedKrylov {
   LitheCount size;
   double *x, *b, *r;         ///< unknowns, right-hand side, residual
-  double *z[KEPT], *q[KEPT]; ///< directions and weighted images, of unit size
+  int kept;                  ///< directions that there is room for
+  double *z[MOST], *q[MOST]; ///< directions and weighted images, of unit size
   double *weight;            ///< of constraint rows: what makes them forces [Pa/m]     (n + 1)
 };
+
+/// Room for so many directions.
+static LitheStatus reserve(LitheCtx *ctx, LthMixedKrylov *k, int kept) {
+  for (; k->kept < kept; k->kept++) {
+    LTH_NEW(ctx, k->z[k->kept], k->size);
+    LTH_NEW(ctx, k->q[k->kept], k->size);
+  }
+  return LITHE_OK;
+}
 
 static LitheStatus allocate(LitheCtx *ctx, const LthMixedLevel *l, LthMixedKrylov *k) {
   k->size = lth_mixed_size(l);
@@ -20,10 +31,7 @@ static LitheStatus allocate(LitheCtx *ctx, const LthMixedLevel *l, LthMixedKrylo
   LTH_NEW(ctx, k->b, k->size);
   LTH_NEW(ctx, k->r, k->size);
   LTH_NEW(ctx, k->weight, l->n + 1);
-  for (int i = 0; i < KEPT; i++) {
-    LTH_NEW(ctx, k->z[i], k->size);
-    LTH_NEW(ctx, k->q[i], k->size);
-  }
+  LITHE_TRY(reserve(ctx, k, KEPT));
   for (LitheCount c = 0; c < l->n; c++)
     if (l->flags[c] & LTH_MIXED_PRESSURE) k->weight[c] = l->mu[c] / (l->volume[c] * l->volume[c]);
   for (LitheCount c = 0; c < l->n; c++) k->weight[c] *= l->per_h[0];
@@ -41,7 +49,7 @@ LitheStatus lth_mixed_krylov_create(LitheCtx *ctx, const LthMixedLevel *l,
 void lth_mixed_krylov_destroy(LitheCtx *ctx, LthMixedKrylov **krylov) {
   LthMixedKrylov *k = *krylov;
   if (!k) return;
-  for (int i = 0; i < KEPT; i++) {
+  for (int i = 0; i < MOST; i++) {
     lth_free(ctx, k->z[i]);
     lth_free(ctx, k->q[i]);
   }
@@ -54,7 +62,7 @@ void lth_mixed_krylov_destroy(LitheCtx *ctx, LthMixedKrylov **krylov) {
 }
 
 LitheCount lth_mixed_krylov_bytes(const LthMixedKrylov *k) {
-  return (LitheCount)sizeof(double) * k->size * (3 + 2 * KEPT);
+  return (LitheCount)sizeof(double) * k->size * (3 + 2 * k->kept);
 }
 
 double *lth_mixed_krylov_x(LthMixedKrylov *k) { return k->x; }
@@ -138,8 +146,9 @@ static void orthogonalise(LthMixedKrylov *k, int threads, int n, int slot) {
 LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixedGrid *g,
                                    const LthMixedExtra *extra, const LthMixedStop *stop,
                                    LthSolveReport *report) {
-  const int threads = lth_threads(ctx);
+  const int threads = lth_threads(ctx), kept = extra ? MOST : KEPT;
   LthMixedLevel *l = &g->level[0];
+  LITHE_TRY(reserve(ctx, k, kept));
   double best = INFINITY;
   int idle = 0;
   *report = (LthSolveReport){0};
@@ -154,8 +163,8 @@ LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixedGri
     if (report->converged || report->iterations >= stop->max_iterations || idle > 20 ||
         !isfinite(now))
       return LITHE_OK;
-    const int slot = report->iterations % KEPT,
-              n = report->iterations < KEPT ? report->iterations : KEPT;
+    const int slot = report->iterations % kept,
+              n = report->iterations < kept ? report->iterations : kept;
     LITHE_TRY(precondition(ctx, k, g, stop->full && report->iterations == 0, k->z[slot]));
     residual(k, l, threads, extra, NULL, k->z[slot], k->q[slot]);
     orthogonalise(k, threads, n, slot);

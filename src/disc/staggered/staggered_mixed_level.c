@@ -61,6 +61,7 @@ void lth_mixed_level_free(LitheCtx *ctx, LthMixedLevel *l) {
   for (int a = 0; a < 3; a++) {
     lth_free(ctx, l->shear[a]);
     lth_free(ctx, l->mass[a]);
+    lth_free(ctx, l->spring[a]);
     lth_free(ctx, l->weight[a]);
     lth_free(ctx, l->face[a][0]);
     lth_free(ctx, l->face[a][1]);
@@ -114,14 +115,35 @@ static void tie_strips(LthMixedLevel *l) {
 static void set_masses(LthMixedLevel *l, const LthStaggeredLevel *from, double inertia,
                        bool is_coarse) {
   for (int a = 0; a < l->dim && l->mass[a]; a++)
-    for (LitheCount c = 0; c < l->n; c++) l->mass[a][c] = inertia * from->mass[a][c];
+    for (LitheCount c = 0; c < l->n; c++)
+      l->mass[a][c] = inertia * from->mass[a][c] + (l->spring[a] ? l->spring[a][c] : 0);
   if (is_coarse) tie_strips(l);
 }
 
 void lth_mixed_level_update(LitheCtx *ctx, const LthStaggeredLevel *from, double cm, double ck,
                             bool is_coarse, LthMixedLevel *l) {
   set_masses(l, from, cm / ck, is_coarse);
-  lth_mixed_invert_boxes(ctx, l);
+  lth_mixed_invert_boxes(ctx, l, NULL);
+}
+
+LitheStatus lth_mixed_level_stiffen(LitheCtx *ctx, const LthStaggeredLevel *from, double inertia,
+                                    bool is_coarse, LthMixedLevel *l, bool *changed) {
+  *changed = false;
+  for (int a = 0; a < l->dim; a++) {
+    if (!l->spring[a]) LTH_NEW(ctx, l->spring[a], l->n + 1);
+    if (!l->mass[a]) LTH_NEW(ctx, l->mass[a], l->n + 1);
+    double *mark = l->r + a * l->stride;
+    for (LitheCount c = 0; c < l->n; c++) {
+      const float now = (float)mark[c];
+      mark[c] = now != l->spring[a][c];
+      *changed |= now != l->spring[a][c];
+      l->spring[a][c] = now;
+    }
+  }
+  if (!*changed) return LITHE_OK;
+  set_masses(l, from, inertia, is_coarse);
+  lth_mixed_invert_boxes(ctx, l, l->r);
+  return LITHE_OK;
 }
 
 LitheStatus lth_mixed_level_create(LitheCtx *ctx, const LthStaggeredLevel *from, double cm,

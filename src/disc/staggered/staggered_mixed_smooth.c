@@ -92,7 +92,7 @@ static void relax_box(LthMixedLevel *l, LitheIndex c, const float *inverse) {
   for (int i = 0; i < m; i++) {
     double sum = 0;
     for (int k = 0; k < m; k++) sum += (double)inverse[i * m + k] * r[k];
-    l->x[at[i]] += sum;
+    if (sum != 0) l->x[at[i]] += sum; // faces that are not there stand at one place for all boxes
   }
 }
 

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+#define STAND_IN                                                                                   \
+  0.1 // of the extra operator's diagonal, in the levels: all of it holds what points do not see
 #define STIFF 10 // lambda over mu by which the divergence weighs in the residual where nu = 0.5
 
 static LthMixedState *state_of(const LthDisc *disc) { return lth_staggered_of(disc)->mixed; }
@@ -49,12 +51,13 @@ static LitheStatus prepare(LitheCtx *ctx, LthDisc *disc, double cm, double ck) {
   return LITHE_OK;
 }
 
-static void aim(LthDisc *disc, const double *u) {
-  const LthStaggered *s = lth_staggered_const(disc);
-  if (!s->mixed->pressure) return;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(s->ctx))
-  for (LitheIndex i = 0; i < disc->n_cells; i++)
-    s->mixed->target[s->cell_slot[i]] = lth_mixed_trace(s, s->cell_slot[i], u);
+static LitheStatus aim(LitheCtx *ctx, LthDisc *disc, const double *u) {
+  const LthMixedState *m = state_of(disc);
+  if (!m->pressure) return LITHE_OK;
+  disc->table->volume->strain(disc, lth_threads(ctx), u, m->strain);
+  LITHE_TRY(disc->table->volume->admit(ctx, disc, u, m->strain));
+  for (LitheIndex i = 0; i < m->n_stiff; i++) m->target[m->stiff[i]] = m->strain[i];
+  return LITHE_OK;
 }
 
 /// Unknowns of the body to those of the level; 0 where they are not free.
@@ -94,11 +97,27 @@ static void subtract_extra(const void *self, int threads, const double *x, doubl
   const double per_unit = 1 / unit_of(s);
   gather(s, threads, x, s->mixed->from);
   e->extra->apply(e->extra->self, threads, s->mixed->from, s->mixed->to);
+  for (int a = 0; a < s->dim && l->spring[a];
+       a++) // the levels' stand-in goes, what it stands for comes
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (LitheCount c = 0; c < l->n; c++)
+      if (l->flags[c] & LTH_MIXED_FREE << a)
+        r[a * l->stride + c] += (double)l->spring[a][c] * x[a * l->stride + c];
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
     for (int a = 0; a < s->dim; a++)
       if (l->flags[s->slot[i]] & LTH_MIXED_FREE << a)
         r[a * l->stride + s->slot[i]] -= per_unit * s->mixed->to[3 * (LitheCount)i + a];
+}
+
+static LitheStatus stiffen(LitheCtx *ctx, LthDisc *disc, const double *diagonal) {
+  const LthStaggered *s = lth_staggered_const(disc);
+  LthMixedState *m = s->mixed;
+  LthMixedLevel *l = &m->grid->level[0];
+  if (!diagonal && !l->spring[0]) return LITHE_OK;
+  memset(l->r, 0, sizeof *l->r * (size_t)lth_mixed_size(l));
+  if (diagonal) scatter(s, lth_threads(ctx), STAND_IN / unit_of(s), diagonal, l->r);
+  return lth_mixed_grid_stiffen(ctx, m->grid, m->inertia);
 }
 
 static bool is_stiff(const LthMixedLevel *l, LitheIndex c) {
@@ -159,6 +178,7 @@ static void keep_pressures(const LthStaggered *s, double reach, const double *x)
     m->latest[c] = m->pressure[c] + m->ck / reach * x[l->dim * l->stride + c] -
                    s->level.lambda[c] / s->level.volume[c] * moved;
   }
+  if (m->pressure) lth_mixed_center(s, m->latest);
 }
 
 static LitheStatus solve(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra, double reach,
@@ -200,6 +220,7 @@ static const LthDiscSolver solver = {.force = force,
                                      .prepare = prepare,
                                      .solve = solve,
                                      .aim = aim,
+                                     .stiffen = stiffen,
                                      .bytes = bytes};
 
 LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s) {
@@ -207,6 +228,7 @@ LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s) {
   m->base = s->table.solver;
   s->table.solver = &solver;
   if (m->pressure) LTH_NEW(ctx, m->target, s->grid->n_slots);
+  if (m->pressure) LTH_NEW(ctx, m->strain, m->n_stiff);
   return LITHE_OK;
 }
 
@@ -217,6 +239,7 @@ void lth_mixed_solver_destroy(LitheCtx *ctx, LthStaggered *s) {
   lth_mixed_krylov_destroy(ctx, &m->krylov);
   lth_mixed_grid_destroy(ctx, &m->grid);
   lth_free(ctx, m->target);
+  lth_free(ctx, m->strain);
   lth_free(ctx, m->from);
   lth_free(ctx, m->to);
 }

@@ -178,11 +178,20 @@ static void invert_box(double *A, int m, float *inverse) {
     for (int k = 0; k < m; k++) inverse[i * m + k] = (float)(B[i][m + k] * scale[i] * scale[k]);
 }
 
-void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l) {
+/// Some face of a cell's box, or beside it, is marked.
+static bool is_marked(const LthMixedLevel *l, LitheIndex c, const double *mark) {
+  bool any = false;
+  for (int a = 0; a < l->dim; a++)
+    any |= mark[a * l->stride + c] != 0 || mark[a * l->stride + l->next[2 * a + 1][c]] != 0;
+  return any;
+}
+
+void lth_mixed_invert_boxes(LitheCtx *ctx, LthMixedLevel *l, const double *mark) {
   const int m = 2 * l->dim + 1;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < l->box_off[LTH_MIXED_COLORS]; i++) {
     double A[49];
+    if (mark && !is_marked(l, l->box[i], mark)) continue;
     box_matrix(l, l->box[i], A);
     invert_box(A, m, l->inverse + (LitheCount)i * m * m);
   }
@@ -203,7 +212,7 @@ static LitheStatus make_boxes(LitheCtx *ctx, LthMixedLevel *l) {
         l->box[n++] = c;
   }
   l->box_off[LTH_MIXED_COLORS] = n;
-  lth_mixed_invert_boxes(ctx, l);
+  lth_mixed_invert_boxes(ctx, l, NULL);
   return LITHE_OK;
 }
 

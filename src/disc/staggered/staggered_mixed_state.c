@@ -8,22 +8,29 @@
 
 #include <string.h>
 
-static bool is_stiff(const LthStaggered *s, LitheCount slot) {
-  return s->level.volume[slot] > 0 && s->level.compliance[slot] == 0;
-}
-
-/// Slots of the high faces of a cell.
-static void high_faces(const LthStaggered *s, LitheCount slot, LitheCount high[3]) {
+void lth_mixed_high_faces(const LthStaggered *s, LitheCount slot, LitheCount high[3]) {
   for (int a = 0; a < s->dim; a++) {
     int d[3] = {a == 0, a == 1, a == 2};
     high[a] = lth_sparse_grid_step(s->grid, slot, d);
   }
 }
 
+/// nu = 0.5, and something is left free to keep the volume.
+static bool is_stiff(const LthStaggered *s, LitheCount slot) {
+  LitheCount high[3];
+  bool any = false;
+  if (!(s->level.volume[slot] > 0) || s->level.compliance[slot] != 0) return false;
+  lth_mixed_high_faces(s, slot, high);
+  for (int a = 0; a < s->dim; a++)
+    any |= s->level.state[a][slot] == LTH_UNKNOWN_FREE ||
+           s->level.state[a][high[a]] == LTH_UNKNOWN_FREE;
+  return any;
+}
+
 double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *u) {
   LitheCount high[3];
   double sum = 0;
-  high_faces(s, slot, high);
+  lth_mixed_high_faces(s, slot, high);
   for (int a = 0; a < s->dim; a++)
     sum += (u[3 * (LitheCount)s->func[high[a]] + a] - u[3 * (LitheCount)s->func[slot] + a]) /
            s->grid->h[a];
@@ -34,7 +41,7 @@ double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *u) 
 static void push_faces(const LthStaggered *s, LitheCount slot, double q, double *f) {
   const double volume = lth_sparse_grid_cell_volume(s->grid) * s->level.volume[slot];
   LitheCount high[3];
-  high_faces(s, slot, high);
+  lth_mixed_high_faces(s, slot, high);
   for (int a = 0; a < s->dim; a++) {
     double push = volume * q / s->grid->h[a];
     f[3 * (LitheCount)s->func[slot] + a] -= push;
@@ -80,11 +87,13 @@ static void keep(LthDisc *disc, const double *q) {
   LthMixedState *m = lth_staggered_of(disc)->mixed;
   for (LitheIndex i = 0; i < m->n_stiff; i++)
     m->latest[m->stiff[i]] = m->pressure[m->stiff[i]] + q[i];
+  lth_mixed_center(lth_staggered_const(disc), m->latest);
 }
 
 static const LthDiscVolume volume = {.count = count,
                                      .scales = scales,
                                      .strain = strain,
+                                     .admit = lth_mixed_admit,
                                      .push = push,
                                      .push_change = push_change,
                                      .keep = keep};
@@ -102,7 +111,7 @@ LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s) {
   for (LitheIndex i = 0; i < s->disc.n_cells; i++)
     if (is_stiff(s, s->cell_slot[i])) m->stiff[m->n_stiff++] = (LitheIndex)s->cell_slot[i];
   s->table.volume = &volume;
-  return LITHE_OK;
+  return lth_mixed_closed_create(ctx, s);
 }
 
 void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s) {
@@ -111,6 +120,7 @@ void lth_mixed_state_destroy(LitheCtx *ctx, LthStaggered *s) {
   lth_free(ctx, m->pressure);
   lth_free(ctx, m->latest);
   lth_free(ctx, m->stiff);
+  lth_mixed_closed_free(ctx, m);
   lth_free(ctx, m);
   s->mixed = NULL;
 }
