@@ -107,7 +107,7 @@ static double *moved(const SgBody *b) {
 
 static void aim_at_rest_of(SgBody *b) {
   double *u = moved(b);
-  b->disc->table->solver->aim(b->disc, u);
+  CHECK_OK(b->ctx, b->disc->table->solver->aim(b->ctx, b->disc, u));
   lth_free(b->ctx, u);
 }
 
