@@ -278,8 +278,7 @@ static double largest_poisson(const LthBody *body) {
   return largest;
 }
 
-/// Mixed from a Poisson's ratio of 0.45 on, unless the scene says.
-static LthFormulation choose_formulation(const LthBody *body) {
+LthFormulation lth_body_formulation(const LthBody *body) {
   const LthSceneBody *def = body->def;
   bool varies = false;
   double largest = -1;
@@ -300,7 +299,7 @@ static LitheStatus build_disc(LitheCtx *ctx, LthBody *body, const LthMaterialFie
                          .shape = &body->def->shape,
                          .material = *field,
                          .model = body->def->materials[0].material.model,
-                         .formulation = choose_formulation(body),
+                         .formulation = lth_body_formulation(body),
                          .holds = s->holds,
                          .n_holds = s->n_holds,
                          .own = s->own.cell ? &s->own : NULL};

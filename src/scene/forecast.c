@@ -13,6 +13,12 @@
 #define SOLVE_BYTES 6e9     // triangular solves and products read the matrix [byte/s]
 #define GRID_SECONDS 1.5e-6 // a matrix-free solve by multigrid, an unknown
 #define GRID_BYTES 130.0    // it holds, an unknown
+#define MIXED_SECONDS 6e-6  // and that of the mixed form
+#define MIXED_KEPT 12       // directions of its Krylov method ...
+#define MIXED_TOUCH_KEPT 60 // ... and with contact
+#define MIXED_LEVELS_2D 1.5 // all levels over the finest: blocks are fuller there
+#define MIXED_LEVELS_3D 1.3
+#define PROGRAM_BYTES 1.5e7
 #define POINT_SECONDS 2e-7  // integration and output, per boundary corner and output time
 
 /// Pattern of the system matrix, which the mesh and the degrees alone decide.
@@ -40,6 +46,8 @@ typedef struct Factor {
   double bytes, flops;
   bool is_beaten;       ///< by multigrid: as asked, or as `auto` will choose
   double grid_unknowns; ///< solved without a matrix
+  double mixed_bytes;   ///< what the mixed form takes beside
+  bool has_mesh;        ///< some body is not on a grid
 } Factor;
 
 /// Add a factor's bytes and flops by its symbolic analysis, which is left out where no factor is made.
@@ -73,16 +81,41 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
   if (scene->n_colliders > 0 || scene->n_bodies > 1) one_solve += 300 * matrix / SOLVE_BYTES;
   // a corotated equilibrium takes some ten solves
   if (scene->time_kind != LTH_TIME_DYNAMIC && factor->grid_unknowns == 0) one_solve *= 10;
-  one_solve += factor->grid_unknowns * GRID_SECONDS;
+  one_solve += factor->grid_unknowns * (factor->mixed_bytes > 0 ? MIXED_SECONDS : GRID_SECONDS);
   f->linear = is_pcg ? "pcg" : is_multigrid ? "multigrid" : "cholesky";
   f->memory = 3 * matrix +
               (is_pcg         ? 0
                : is_multigrid ? matrix
                               : 2 * bytes) +
               (factor->grid_unknowns > 0 ? 40 : 1000) * corners +
-              GRID_BYTES * factor->grid_unknowns + 5e7;
+              GRID_BYTES * factor->grid_unknowns + factor->mixed_bytes +
+              (factor->has_mesh || factor->bytes > 0 ? 5e7 : PROGRAM_BYTES);
   f->seconds = (double)f->steps * (one_solve + matrix / SOLVE_BYTES * 4) +
                corners * POINT_SECONDS * (20 + f->frames);
+}
+
+/// What solves of the mixed form hold (src/disc/staggered/staggered_mixed.h): 2 directions of each step of the Krylov method and three
+/// vectors, of dim + 1 values a slot; a level's coefficients, neighbours and three vectors; boxes of cells near
+/// the boundary with their inverses; and the coarser levels.
+static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool touches) {
+  const LthSparseGrid *g = body->staggered->fractions->grid;
+  const double n = (double)g->n_slots, dim = g->dim, m = 2 * dim + 1, cells = count->cells;
+  const double rim = dim == 3 ? 2 : 3; // of boxes, and the cut cells themselves
+  const double inner = pow(fmax(0, pow(cells, 1 / dim) - 2 * rim), dim);
+  double krylov = 8 * (dim + 1) * (3 + 2 * (touches ? MIXED_TOUCH_KEPT : MIXED_KEPT)) + 8;
+  double level = 8 * dim + 4 * (dim + 1) + 9 + 8 * (dim == 3 ? 6 : 4) + 24 * (dim + 1);
+  double listed = 4 * (dim + 2) * inner + 4 * (1 + m * m) * (cells - inner);
+  return n * krylov + (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
+}
+
+/// The formulation as far as it can be told without places.
+static bool is_mixed(const LthBody *body) {
+  const LthSceneBody *def = body->def;
+  bool varies = false;
+  for (LitheIndex i = 0; i < def->n_materials; i++)
+    varies |= def->materials[i].material.poisson.eval != NULL;
+  if (varies && def->formulation == LTH_FORMULATION_AUTO) return false;
+  return lth_body_formulation(body) == LTH_FORM_MIXED;
 }
 
 /// A staggered body: matrix-free where it is linear and alone, else with a matrix of blocks, whose entries an unknown are those
@@ -101,6 +134,7 @@ static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor,
   if (is_free) {
     factor->is_beaten = true;
     factor->grid_unknowns += (double)count.unknowns;
+    if (is_mixed(body)) factor->mixed_bytes += mixed_bytes(body, &count, scene->n_colliders > 0);
     return;
   }
   f->nonzeros += row * count.unknowns;
@@ -122,6 +156,7 @@ static LitheStatus add_body(LitheCtx *ctx, const LthScene *scene, const LthBody 
     add_grid(scene, body, factor, f);
     return LITHE_OK;
   }
+  factor->has_mesh = true;
   LITHE_TRY_OR(done, make_pattern(ctx, body, &A));
   LITHE_TRY_OR(done, add_factor(ctx, scene, A, factor));
   f->elements += mesh->n_cells;

@@ -34,6 +34,9 @@ struct LthStaggeredBody {
 /// Grid and fractions (build_staggered.c): what a mesh is to others. Sets box, size and cell size.
 LitheStatus lth_build_fractions(LitheCtx *ctx, LthBody *body);
 
+/// Mixed from a Poisson's ratio of 0.45 on, unless the scene says.
+LthFormulation lth_body_formulation(const LthBody *body);
+
 /// Constraints, material, discretisation and loads.
 LitheStatus lth_build_staggered(LitheCtx *ctx, LthBody *body);
 void lth_staggered_body_destroy(LitheCtx *ctx, LthStaggeredBody **body);
