@@ -16,10 +16,11 @@
 #define MIXED_SECONDS 6e-6  // and that of the mixed form
 #define MIXED_KEPT 12       // directions of its Krylov method ...
 #define MIXED_TOUCH_KEPT 60 // ... and with contact
+#define MIXED_SLOT 350      // a slot of the operator of the displacement form, and pressures
 #define MIXED_LEVELS_2D 1.5 // all levels over the finest: blocks are fuller there
 #define MIXED_LEVELS_3D 1.3
 #define PROGRAM_BYTES 1.5e7
-#define POINT_SECONDS 2e-7  // integration and output, per boundary corner and output time
+#define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
 
 /// Pattern of the system matrix, which the mesh and the degrees alone decide.
 static LitheStatus make_pattern(LitheCtx *ctx, const LthBody *body, LthBlockMatrix **A) {
@@ -105,7 +106,8 @@ static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool t
   double krylov = 8 * (dim + 1) * (3 + 2 * (touches ? MIXED_TOUCH_KEPT : MIXED_KEPT)) + 8;
   double level = 8 * dim + 4 * (dim + 1) + 9 + 8 * (dim == 3 ? 6 : 4) + 24 * (dim + 1);
   double listed = 4 * (dim + 2) * inner + 4 * (1 + m * m) * (cells - inner);
-  return n * krylov + (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
+  return n * (krylov + MIXED_SLOT) +
+         (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
 }
 
 /// The formulation as far as it can be told without places.

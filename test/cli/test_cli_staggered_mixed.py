@@ -179,6 +179,13 @@ with folder() as home:
         got = run("run", scene, "-q", "-o", os.path.join(home, "grows"))
         expect("what_is_held_all_around_cannot_grow: " + way,
                got.returncode == 2 and "change its volume by 1 %" in got.stderr, (got.returncode, got.stderr))
+    for cells, text in ((160, RING % 0.5), (24, DROP % (0.49, "auto"))):
+        text = text.replace("cells: 32", "cells: %d" % cells).replace("cells: 6", "cells: %d" % cells)
+        text = text.replace("colliders: [{plane: {point: [0, 0, 0], normal: [0, 1, 0]}}]", "").replace(
+            "duration: 0.03", "duration: 0.005")
+        used = simulate(home, "large", text).get("memory", 0)
+        told = json.loads(run("check", os.path.join(home, "large.yaml"), "--json").stdout)["memory"]
+        expect("memory_is_foreseen_to_a_fifth: %d cells" % cells, abs(told / used - 1) < 0.2, (told, used))
     alone, both = (simulate(home, "turns", TURNS % bodies) for bodies in (BEAM, RUBBER + BEAM))
     expect("rubber_beside_a_beam_that_turns_costs_no_iterations",
            alone["solver"]["converged"] and both["solver"]["converged"] and
