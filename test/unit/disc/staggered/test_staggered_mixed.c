@@ -23,25 +23,6 @@ static void add_compliance(ShapeLevel *S, const ShapeDef *d) {
   }
 }
 
-/// Shear moduli of edges between materials: harmonic means of the cells around, as bodies have them.
-static void soften_edges(ShapeLevel *S, const ShapeDef *d) {
-  for (LitheCount s = 0; s < S->grid->n_slots && d->young; s++) {
-    LitheIndex c[3];
-    lth_sparse_grid_cell(S->grid, s, c);
-    for (int e = d->dim == 3 ? 0 : 2; e < 3; e++) {
-      double at[3] = {0, 0, 0}, soft = 0;
-      at[e] = 0.5;
-      double own = stiffness_at(d, S->grid, c, at);
-      for (int k = 0; k < 4; k++) {
-        at[(e + 1) % 3] = k & 1 ? 0.5 : -0.5;
-        at[(e + 2) % 3] = k & 2 ? 0.5 : -0.5;
-        soft += 0.25 / stiffness_at(d, S->grid, c, at);
-      }
-      S->level.shear[e][s] /= soft * own;
-    }
-  }
-}
-
 typedef struct Mixed {
   ShapeDef def;
   ShapeLevel shape;
@@ -57,7 +38,6 @@ static Mixed mixed_of(const ShapeDef *def, double cm) {
   LitheCtx *ctx = test_ctx();
   m.shape = shape_level(ctx, def);
   add_compliance(&m.shape, def);
-  soften_edges(&m.shape, def);
   CHECK_OK(ctx, lth_mixed_grid_create(ctx, &m.shape.level, cm, 1, &m.grid));
   m.level = &m.grid->level[0];
   CHECK_OK(ctx, lth_mixed_krylov_create(ctx, m.level, &m.krylov));
