@@ -33,9 +33,9 @@
 static const float no_values_f[BLOCK];
 static const double no_values_d[BLOCK];
 
-/// Block that comes two later in memory: the next one is read by this one's margin.
-ALWAYS LitheIndex block_ahead(const LthSparseGrid *g, LitheIndex block) {
-  return block + 2 < g->n_blocks ? block + 2 : block;
+/// Block that comes so many later in memory, if there is one.
+ALWAYS LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, LitheIndex by) {
+  return block + by < g->n_blocks ? block + by : block;
 }
 
 ALWAYS float *block_of(LthFastVector v, LitheIndex block) { return v.at + block * v.stride; }
@@ -45,6 +45,11 @@ ALWAYS double sum_lanes(const double lane[SIDE]) {
   double sum = 0;
   for (int i = 0; i < SIDE; i++) sum += lane[i];
   return sum;
+}
+
+/// Fetch all of an array.
+ALWAYS void fetch_all(const void *at, LitheCount bytes) {
+  for (LitheCount i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i, 0, 2);
 }
 
 /// Coefficients of a general block: `sample` has a margin of one before cells and behind edges.
@@ -73,20 +78,27 @@ ALWAYS void find_samples(const LthFastLevel *L, LitheIndex block, Samples_f *c) 
 /// (A x) of a block.
 ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
   const float *near[N_NEAR];
-  const float *ahead = block_of(L->x, block_ahead(L->grid, block));
+  const Ahead_f ahead = {{block_of(L->x, block_later(L->grid, block, 2)), block_of(L->y, block),
+                          block_of(L->b, block)},
+                         3};
   const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
   Rows_f rows;
   find_near_f(L->grid, block, L->x.at, L->x.stride, no_values_f, near);
   find_rows_f(near, &rows);
+  fetch_margin_f(L->grid, block_later(L->grid, block, 1), L->x.at, L->x.stride, DIM);
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
     const float *c = L->constant + 3 * (LitheCount)block;
     const Constant_f constant = constant_f(c[0], c[1], c[2], ratio);
-    uniform_rows_f(&rows, &constant, ahead, y);
+    uniform_rows_f(&rows, &constant, &ahead, y);
     return;
   }
   Samples_f samples;
+  if (L->number[block] + 1 < L->n_general) {
+    fetch_all(L->sample + (L->number[block] + (LitheCount)1) * L->n_sample, 4 * L->n_sample);
+    fetch_all(L->inverse + (L->number[block] + (LitheCount)1) * BLOCK, 4 * BLOCK);
+  }
   find_samples(L, block, &samples);
-  general_rows_f(&rows, &samples, ratio, ahead, y);
+  general_rows_f(&rows, &samples, ratio, &ahead, y);
   if (!L->inertia) return;
   const float *m = L->inertia + (LitheCount)L->number[block] * BLOCK, *x = block_of(L->x, block);
   for (int at = 0; at < BLOCK; at += SIDE)
@@ -224,12 +236,28 @@ ALWAYS void finish_general(const LthFastLevel *L, LitheIndex block, double stiff
   }
 }
 
+/// Fetch the coefficients of a general block.
+ALWAYS void fetch_coefficients(const LthFastLevel *L, LitheIndex block) {
+  const LthStaggeredLevel *l = L->level;
+  const LitheCount first = (LitheCount)block * CELLS;
+  fetch_all(l->lambda + first, 8 * CELLS);
+  fetch_all(l->mu + first, 8 * CELLS);
+  for (int e = DIM == 3 ? 0 : 2; e < 3; e++) {
+    fetch_all(l->shear[e] + first, 8 * CELLS);
+    fetch_margin_d(L->grid, block, l->shear[e], CELLS, 1);
+  }
+  for (int a = 0; a < DIM; a++) fetch_all(l->state[a] + first, CELLS);
+}
+
 LTH_CLONES
 static double apply(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                     const double *values, double *result) {
   const double *near[N_NEAR];
   const double *p = values + (LitheCount)block * BLOCK;
-  const double *ahead = values + (LitheCount)block_ahead(L->grid, block) * BLOCK;
+  const LitheIndex next = block_later(L->grid, block, 1);
+  const Ahead_d ahead = {{values + (LitheCount)block_later(L->grid, block, 2) * BLOCK,
+                          result + (LitheCount)next * BLOCK},
+                         2};
   double *q = result + (LitheCount)block * BLOCK;
   const LthStaggeredLevel *l = L->level;
   double volume = lth_sparse_grid_cell_volume(L->grid);
@@ -237,18 +265,20 @@ static double apply(const LthFastLevel *L, LitheIndex block, double cm, double c
   Rows_d rows;
   find_near_d(L->grid, block, values, BLOCK, no_values_d, near);
   find_rows_d(near, &rows);
+  fetch_margin_d(L->grid, next, values, BLOCK, DIM);
   LitheCount first = (LitheCount)block * CELLS;
   if (L->kind[block] == LTH_BLOCK_UNIFORM) {
     const Constant_d c = constant_d(stiff * l->lambda[first], stiff * l->mu[first],
                                     inert * l->mass[0][first], L->ratio);
-    uniform_rows_d(&rows, &c, ahead, q);
+    uniform_rows_d(&rows, &c, &ahead, q);
   } else {
     Samples_d c;
+    if (L->kind[next] == LTH_BLOCK_GENERAL) fetch_coefficients(L, next);
     find_cell_rows(L, block, l->lambda, c.lambda, c.lambda_before);
     find_cell_rows(L, block, l->mu, c.mu, c.mu_before);
     for (int e = 0; e < N_SHEAR; e++)
       find_edge_rows(L, block, l->shear[DIM == 3 ? e : 2], c.shear[e], c.shear_behind[e]);
-    general_rows_d(&rows, &c, L->ratio, ahead, q);
+    general_rows_d(&rows, &c, L->ratio, &ahead, q);
     finish_general(L, block, stiff, inert, held, p, q);
   }
   double lane[SIDE] = {0};

@@ -87,9 +87,33 @@ ALWAYS N(Lane) N(high)(const N(Rows) * rows, int c, int r, int i) {
   return N(shift_up)(N(own)(rows, c, r, i), N(load)(rows->at[2][r] + c * CELLS));
 }
 
-/// Fetch a row into the second cache: processors do not guess where the next block begins.
-ALWAYS void N(fetch)(const REAL *row) {
-  for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(row + i, 0, 2);
+/// What is wanted soon, in places of a block: processors do not guess where the next block begins.
+typedef struct N(Ahead) {
+  const REAL *at[8];
+  int n;
+} N(Ahead);
+
+/// Fetch row `at` of all that is wanted into the second cache.
+ALWAYS void N(fetch)(const N(Ahead) * ahead, int at) {
+  if (at * sizeof(REAL) % 64 != 0) return;
+  for (int v = 0; v < ahead->n; v++)
+    for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL))
+      __builtin_prefetch(ahead->at[v] + at + i, 0, 2);
+}
+
+/// Fetch the rows that a block reads of those that follow it along y and z: nobody has touched them before.
+ALWAYS void N(fetch_margin)(const LthSparseGrid *g, LitheIndex block, const REAL *values,
+                            LitheCount stride, int components) {
+  const LitheIndex *to = g->neighbor + (LitheCount)block * N_NEAR + (DIM == 3 ? 9 : 0);
+  const REAL *y = to[7] < 0 ? NULL : values + to[7] * stride;
+  for (int a = 0; y && a < components; a++)
+    for (int k = 0; k < DEEP; k++) __builtin_prefetch(y + a * CELLS + k * SIDE * SIDE, 0, 2);
+#if DIM == 3
+  const REAL *z = to[9 + 4] < 0 ? NULL : values + to[9 + 4] * stride;
+  for (int a = 0; z && a < components; a++)
+    for (int i = 0; i < SIDE * SIDE; i += 64 / (int)sizeof(REAL))
+      __builtin_prefetch(z + a * CELLS + i, 0, 2);
+#endif
 }
 
 /// y = A u in a row of a block where coefficients are constant: laplacian and gradient of the divergence.
@@ -143,13 +167,13 @@ ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, i
   N(store)(y + CELLS, z1);
 }
 
-/// y = A u in a block; rows of `ahead` (a block's values) are fetched.
-ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const REAL *ahead,
+/// y = A u in a block.
+ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const N(Ahead) * ahead,
                             REAL *y) {
   for (int k = 0; k < DEEP; k++)
     for (int j = 0; j < SIDE; j++) {
       const int at = (k * SIDE + j) * SIDE;
-      for (int a = 0; a < DIM; a++) N(fetch)(ahead + a * CELLS + at);
+      for (int a = 0; a < DIM; a++) N(fetch)(ahead, a * CELLS + at);
       for (int i = 0; i < SIDE; i += LANES) N(uniform_row)(rows, c, ROW(j, k), i, y + at + i);
     }
 }
@@ -333,9 +357,9 @@ ALWAYS void N(add_rows)(const N(Plane) * P, const N(Columns) * C, const REAL rat
     }
 }
 
-/// y = K u with the coefficients of a general block; rows of `ahead` (a block's values) are fetched.
+/// y = K u with the coefficients of a general block.
 ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
-                            const REAL *ahead, REAL *y) {
+                            const N(Ahead) * ahead, REAL *y) {
   N(Columns) C;
   N(Plane) P;
   N(find_columns)(rows, c, ratio, &C);
@@ -348,7 +372,7 @@ ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const RE
   N(next_plane)(rows, c, ratio, -1, &P);
 #endif
   for (int k = 0; k < DEEP; k++) {
-    for (int j = 0; j < DIM * SIDE; j++) N(fetch)(ahead + (k * DIM * SIDE + j) * SIDE);
+    for (int j = 0; j < DIM * SIDE; j++) N(fetch)(ahead, (k * DIM * SIDE + j) * SIDE);
     N(find_plane_stresses)(rows, c, ratio, k, &P);
 #if DIM == 3
     N(next_plane)(rows, c, ratio, k, &P);
