@@ -17,21 +17,14 @@ sys.path.insert(0, "/usr/lib/petscdir/petsc3.18/x86_64-linux-gnu-real/lib/python
 
 def read(path):
     """CSR arrays, right-hand side, component and place of every unknown."""
-    raw = np.fromfile(path, dtype=np.uint8)
-    n, nnz = raw[:16].view(np.int64)
-    off = np.zeros(n + 1, dtype=np.int32)
-    col = np.empty(nnz, dtype=np.int32)
-    val = np.empty(nnz)
-    at = 16
-    for i in range(n):
-        m = int(raw[at:at + 4].view(np.int32)[0])
-        first = off[i]
-        col[first:first + m] = raw[at + 4:at + 4 + 4 * m].view(np.int32)
-        val[first:first + m] = np.frombuffer(raw, np.float64, m, at + 4 + 4 * m)
-        off[i + 1] = first + m
-        at += 4 + 12 * m
-    rest = np.frombuffer(raw, np.float64, 5 * n, at)
-    return off, col, val, rest[:n].copy(), rest[n:].reshape(n, 4)
+    with open(path, "rb") as file:
+        n, nnz = np.fromfile(file, np.int64, 2)
+        off = np.zeros(n + 1, dtype=np.int64)
+        np.cumsum(np.fromfile(file, np.int32, n), out=off[1:])
+        col = np.fromfile(file, np.int32, nnz)
+        val = np.fromfile(file, np.float64, nnz)
+        rhs = np.fromfile(file, np.float64, n)
+        return off, col, val, rhs, np.fromfile(file, np.float64, 4 * n).reshape(n, 4)
 
 
 def rigid_motions(part, places):

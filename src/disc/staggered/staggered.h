@@ -66,9 +66,9 @@ typedef struct LthStaggered {
   double *volume;          ///< V of cells, 0 where rule A leaves them out             (n_slots)
 
   LitheIndex *func;      ///< function of a slot, -1 where none of its unknowns is alive   (n_slots)
-  LitheCount *slot;      ///< slot of a function, ascending                                (n_funcs)
+  LitheIndex *slot;      ///< slot of a function, ascending                                (n_funcs)
   LitheIndex *cell;      ///< cell of a slot, -1 where it holds nothing                    (n_slots)
-  LitheCount *cell_slot; ///< slot of a cell, ascending                               (disc.n_cells)
+  LitheIndex *cell_slot; ///< slot of a cell, ascending                               (disc.n_cells)
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
@@ -82,7 +82,7 @@ typedef struct LthStaggered {
   LitheIndex *row_func; ///< (n_rows + 1)
 
   uint8_t *held;        ///< per unknown: held by a constraint, or dead                  (n_dofs)
-  LitheIndex *hold;     ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
+  int16_t *hold;        ///< constraint behind a held unknown, -1 where it is free or dead (n_dofs)
   LthMixedState *mixed; ///< of the mixed form (staggered_mixed_state.c), or NULL
   void *nonlinear;      ///< of corotated and neo-Hookean bodies (staggered_finite.c), or NULL
   void *solver;         ///< of matrix-free solves (staggered_solver.c), or NULL

@@ -91,8 +91,8 @@ static LitheStatus number(LitheCtx *ctx, LthStaggered *s) {
   LTH_NEW(ctx, s->slot, n_funcs);
   LTH_NEW(ctx, s->cell_slot, n_cells);
   for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
-    if (s->func[slot] >= 0) s->slot[s->func[slot]] = slot;
-    if (s->cell[slot] >= 0) s->cell_slot[s->cell[slot]] = slot;
+    if (s->func[slot] >= 0) s->slot[s->func[slot]] = (LitheIndex)slot;
+    if (s->cell[slot] >= 0) s->cell_slot[s->cell[slot]] = (LitheIndex)slot;
   }
   s->disc.n_funcs = s->disc.n_rows = (LitheIndex)n_funcs;
   s->disc.n_dofs = 3 * n_funcs;

@@ -62,6 +62,9 @@ void lth_staggered_drop_unread(LthStaggered *s) { visit_slots(s, drop_slot); }
 
 LitheStatus lth_staggered_build_holds(LitheCtx *ctx, LthStaggered *s) {
   LTH_NEW(ctx, s->held, s->disc.n_dofs);
+  if (s->n_holds > INT16_MAX)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "%d constraints are too many for one body: %d at most",
+               s->n_holds, INT16_MAX);
   LTH_NEW(ctx, s->hold, s->disc.n_dofs);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
@@ -75,7 +78,7 @@ LitheStatus lth_staggered_build_holds(LitheCtx *ctx, LthStaggered *s) {
       s->hold[k] = -1;
       if (state != LTH_UNKNOWN_HELD) continue;
       lth_staggered_place(s, i, a, x);
-      s->hold[k] = find_hold(s, a, x);
+      s->hold[k] = (int16_t)find_hold(s, a, x);
     }
   return LITHE_OK;
 }
