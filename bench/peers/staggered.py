@@ -1,22 +1,42 @@
 #!/usr/bin/env python3
-"""Solve the staggered matrix that bench_staggered exports with PETSc's GAMG and hypre's BoomerAMG (petsc4py).
+"""Lithe's staggered multigrid and five peers side by side on the same matrices, one thread each.
 
-    bench_staggered --dim 3 --cells 144 --export m.bin && bench/peers/staggered.py m.bin [--only gamg|hypre]
+    bench/peers/staggered.py --bench build/release/bench/bench_staggered [--csv FILE] [--sizes 2:1266,3:128] [--lithe 2:512,...]
+    bench/peers/staggered.py --matrix m.bin --only gamg          (one peer on what bench_staggered --export wrote)
 
-Conjugate gradients to a true relative residual of 1e-8; set-up and solve in seconds of one process. GAMG gets the rigid
-motions, BoomerAMG the number of components: unknowns lie in blocks, absent ones with a row of the identity.
+Peers are PETSc's GAMG with the rigid motions, hypre's BoomerAMG with unknowns of a component told apart (plain, and with one
+aggressive level), CHOLMOD and UMFPACK, all through petsc4py; UMFPACK and CHOLMOD in the plane alone, for their factors do not fit
+in space. Iterative ones run conjugate gradients to a true relative residual of 1e-8. Seconds are from the assembled matrix (of
+Lithe: from the discretisation) to the solution; peak memory is that of the process over what it held before the set-up.
 """
 import argparse
+import csv
+import json
+import os
+import resource
+import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
-import numpy as np
-
-sys.path.insert(0, "/usr/lib/petscdir/petsc3.18/x86_64-linux-gnu-real/lib/python3/dist-packages")
+PETSC = "/usr/lib/petscdir/petsc3.18/x86_64-linux-gnu-real/lib/python3/dist-packages"
+PYTHON = "/usr/bin/python3"  # the one that Debian's petsc4py belongs to
+PEERS = {  # options of PETSc; whether it is for the plane alone
+    "GAMG": ("-ksp_type cg -pc_type gamg", False),
+    "BoomerAMG": ("-ksp_type cg -pc_type hypre -pc_hypre_type boomeramg -pc_hypre_boomeramg_strong_threshold 0.5", False),
+    "BoomerAMG aggressive": ("-ksp_type cg -pc_type hypre -pc_hypre_type boomeramg -pc_hypre_boomeramg_strong_threshold 0.5 "
+                             "-pc_hypre_boomeramg_agg_nl 1", False),
+    "CHOLMOD": ("-ksp_type preonly -pc_type cholesky -pc_factor_mat_solver_type cholmod", True),
+    "UMFPACK": ("-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type umfpack", True),
+}
+COLUMNS = ["case", "nu", "solver", "threads", "unknowns", "grid s", "set-up s", "solve s", "total s", "us/unknown", "iterations",
+           "residual", "bytes/unknown", "operator/memory bound", "fmg operators", "triad GB/s"]
 
 
 def read(path):
     """CSR arrays, right-hand side, component and place of every unknown."""
+    import numpy as np
     with open(path, "rb") as file:
         n, nnz = np.fromfile(file, np.int64, 2)
         off = np.zeros(n + 1, dtype=np.int64)
@@ -29,6 +49,7 @@ def read(path):
 
 def rigid_motions(part, places):
     """Translations and rotations at the unknowns' own places, orthonormal."""
+    import numpy as np
     x = places - places.mean(axis=0)
     modes = [(part == a).astype(float) for a in range(3)]
     for a, b in ((0, 1), (1, 2), (2, 0)):
@@ -38,63 +59,141 @@ def rigid_motions(part, places):
     return np.linalg.qr(np.array(modes).T)[0].T
 
 
-def solve(PETSc, name, A, b, modes, unknowns):
+def blocks(path):
+    """The matrix with unknowns in blocks of components, absent ones with a row of the identity; right-hand side, modes."""
+    import numpy as np
+    import scipy.sparse as sp
+    off, col, val, rhs, places = read(path)
+    func, part = np.divmod(places[:, 0].astype(np.int64), 3)
+    dim = int(part.max()) + 1
+    func = np.unique(func, return_inverse=True)[1]
+    to = (dim * func + part).astype(np.int32)
+    n = dim * (int(func.max()) + 1)
+    full = np.zeros(n, dtype=np.int64)
+    full[to] = np.diff(off)
+    there = full > 0
+    full[~there] = 1
+    row = np.zeros(n + 1, dtype=np.int32)
+    np.cumsum(full, out=row[1:])
+    # rows keep their order, so that entries move as a whole: those of absent unknowns are let in
+    cols = np.empty(row[-1], dtype=np.int32)
+    vals = np.empty(row[-1])
+    mine = np.repeat(there, full)
+    cols[mine], vals[mine] = to[col], val
+    cols[~mine], vals[~mine] = np.flatnonzero(~there), np.abs(val).max()
+    matrix = sp.csr_matrix((vals, cols, row), shape=(n, n))
+    matrix.sort_indices()
+    b = np.zeros(n)
+    b[to] = rhs
+    modes = np.zeros((3 if dim == 2 else 6, n))
+    modes[:, to] = rigid_motions(part, places[:, 1:])
+    return matrix, b, modes, dim, rhs.size
+
+
+def solve(path, name):
+    """Print one row as a dictionary: a child process, so that peak memory is this solver's own."""
+    sys.path.insert(0, PETSC)
+    import petsc4py
+    petsc4py.init(["staggered"] + PEERS[name][0].split())
+    from petsc4py import PETSc
+    matrix, rhs, motions, dim, unknowns = blocks(path)
+    A = PETSc.Mat().createAIJ(matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), bsize=dim)
+    A.setOption(PETSc.Mat.Option.SPD, True)
+    del matrix
+    b = PETSc.Vec().createWithArray(rhs, bsize=dim)
+    if name == "GAMG":
+        vectors = [PETSc.Vec().createWithArray(m.copy(), bsize=dim) for m in motions]
+        A.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors))
+    del motions
     ksp = PETSc.KSP().create()
     ksp.setOperators(A)
-    ksp.setType("cg")
     ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
     ksp.setTolerances(rtol=1e-8, max_it=2000)
-    if name == "gamg":
-        vectors = [PETSc.Vec().createWithArray(m.copy(), bsize=A.getBlockSize()) for m in modes]
-        A.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors))
-        ksp.getPC().setType("gamg")
-    else:
-        ksp.getPC().setType("hypre")
-        ksp.getPC().setHYPREType("boomeramg")
     ksp.setFromOptions()
+    if ksp.getType() == "preonly":
+        ksp.setNormType(PETSc.KSP.NormType.NONE)
     x = b.duplicate()
-    start = time.process_time()
+    before = resident()
+    start = time.perf_counter()
     ksp.setUp()
-    setup = time.process_time() - start
+    setup = time.perf_counter() - start
     ksp.solve(b, x)
-    total = time.process_time() - start
+    total = time.perf_counter() - start
     r = b - A * x
-    print(f"{name}: {unknowns} unknowns, set-up {setup:.2f} s, total {total:.2f} s, "
-          f"{ksp.its} iterations, true residual {r.norm() / b.norm():.1e}, {unknowns / total:.0f} unknowns/s")
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+    print(json.dumps({"solver": name, "threads": 1, "unknowns": unknowns, "set-up s": f"{setup:.2f}", "solve s": f"{total - setup:.2f}",
+                "total s": f"{total:.2f}", "us/unknown": f"{1e6 * total / unknowns:.2f}", "iterations": ksp.its,
+                "residual": f"{r.norm() / b.norm():.1e}", "bytes/unknown": f"{peak / unknowns:.0f}"}))
+
+
+def resident():
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def run_lithe(bench, dim, cells, nu, threads, export=None):
+    command = [bench, "--csv", "--threads", str(threads), "--dim", str(dim), "--cells", str(cells), "--nu", str(nu)]
+    done = subprocess.run(command + (["--export", export] if export else []), check=True, capture_output=True, text=True)
+    row = next(csv.DictReader(done.stdout.splitlines()))
+    setup, solve_s = float(row["prepare s"]), float(row["solve s"])
+    unknowns = int(row["unknowns"])
+    return {"case": f"{dim}D {cells}", "nu": nu, "solver": "Lithe", "threads": threads, "unknowns": unknowns,
+            "grid s": f"{float(row['fractions s']) + float(row['disc s']):.3f}", "set-up s": f"{setup:.3f}",
+            "solve s": f"{solve_s:.3f}", "total s": f"{setup + solve_s:.3f}",
+            "us/unknown": f"{1e6 * (setup + solve_s) / unknowns:.3f}", "iterations": row["iterations"],
+            "residual": row["residual"], "bytes/unknown": row["bytes/unknown"],
+            "operator/memory bound": row["operator/memory bound"], "fmg operators": row["fmg operators"],
+            "triad GB/s": row["triad GB/s"]}
+
+
+def run_peer(path, name):
+    environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+    done = subprocess.run([PYTHON, __file__, "--matrix", path, "--only", name], env=environment, capture_output=True, text=True)
+    if done.returncode != 0:
+        return {"solver": name, "threads": 1, "residual": "failed: " + done.stderr.strip().split("\n")[-1][:80]}
+    return json.loads(done.stdout.strip().split("\n")[-1])
+
+
+def cases(text):
+    return [tuple(int(v) for v in part.split(":")) for part in text.split(",") if part]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("matrix")
-    parser.add_argument("--only", choices=("gamg", "hypre"))
+    parser.add_argument("--bench", default="build/release/bench/bench_staggered")
+    parser.add_argument("--csv", default="bench/results/epyc-2-cores/staggered.csv")
+    parser.add_argument("--sizes", default="2:1266,3:128", help="dim:cells that peers solve too")
+    parser.add_argument("--lithe", default="2:512,2:1024,2:2048,2:4096,3:64,3:128,3:256",
+                        help="dim:cells of Lithe alone, on one and two threads; at nu = 0.49 the first of each dimension")
+    parser.add_argument("--matrix")
+    parser.add_argument("--only", choices=sorted(PEERS))
     options = parser.parse_args()
-    import petsc4py
-    petsc4py.init(["staggered", "-pc_hypre_boomeramg_strong_threshold", "0.5"])
-    from petsc4py import PETSc
-    off, col, val, rhs, places = read(options.matrix)
-    import scipy.sparse as sp
-    func, part = np.divmod(places[:, 0].astype(np.int64), 3)
-    dim = int(part.max()) + 1
-    func = np.unique(func, return_inverse=True)[1]
-    to = dim * func + part
-    n = dim * (int(func.max()) + 1)
-    rows = np.repeat(to, np.diff(off))
-    absent = np.setdiff1d(np.arange(n), to)
-    scale = np.abs(val).max()
-    matrix = sp.coo_matrix((np.concatenate([val, np.full(absent.size, scale)]),
-                            (np.concatenate([rows, absent]), np.concatenate([to[col], absent]))),
-                           shape=(n, n)).tocsr()
-    matrix.sort_indices()
-    A = PETSc.Mat().createAIJ(matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), bsize=dim)
-    A.setOption(PETSc.Mat.Option.SPD, True)
-    full = np.zeros(n)
-    full[to] = rhs
-    b = PETSc.Vec().createWithArray(full, bsize=dim)
-    modes = np.zeros((3 if dim == 2 else 6, n))
-    modes[:, to] = rigid_motions(part, places[:, 1:])
-    for name in ("gamg", "hypre"):
-        if options.only in (None, name):
-            solve(PETSc, name, A, b, modes, rhs.size)
+    if options.matrix:
+        solve(options.matrix, options.only)
+        return
+    with open(options.csv, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS, restval="")
+        writer.writeheader()
+
+        def put(row):
+            writer.writerow(row)
+            file.flush()
+            print(", ".join(f"{key} {value}" for key, value in row.items()), flush=True)
+
+        with tempfile.TemporaryDirectory() as folder:
+            for dim, cells in cases(options.sizes):
+                path = str(Path(folder) / "matrix.bin")
+                put(run_lithe(options.bench, dim, cells, 0.3, 1, path))
+                for name, (_, plane) in PEERS.items():
+                    if dim == 2 or not plane:
+                        put({"case": f"{dim}D {cells}", "nu": 0.3, **run_peer(path, name)})
+        nearly = set()
+        for dim, cells in cases(options.lithe):
+            for threads in (1, 2):
+                put(run_lithe(options.bench, dim, cells, 0.3, threads))
+            if dim not in nearly:
+                put(run_lithe(options.bench, dim, cells, 0.49, 1))
+            nearly.add(dim)
 
 
 if __name__ == "__main__":

@@ -1,13 +1,11 @@
 /// Restriction and prolongation of one block, for DIM = 2 or 3: part of staggered_blocks.h.
-// A block is copied with a margin of one cell into an array of its own ("padded"), so that nothing below asks what
-// lies where.
+// Coarse blocks are copied with a margin of one cell into an array of their own ("padded"), for their parts begin in the
+// middle of rows.
 
 #if DIM == 3
 #define AT(i, j, k) (((k) + 1) * (SIDE + 2) * PAD_X + ((j) + 1) * PAD_X + (i) + PAD_LEFT)
-#define STEP_Z ((SIDE + 2) * PAD_X)
 #else
 #define AT(i, j, k) (((j) + 1) * PAD_X + (i) + PAD_LEFT)
-#define STEP_Z 0
 #endif
 #define PAD_LEFT 8 // rows start at a multiple of a register, so that most loads cross no cache line
 #define PAD_X (SIDE + 16)
@@ -77,6 +75,27 @@ ALWAYS void blend(bool own, int j, const float *restrict below, const float *res
   }
 }
 
+// Places in a register, from one before a row of coarse values on: each value twice; the one that fine values lean to,
+// along the component and across; and every second one.
+#if LANES_F == 8
+#define TWICE 1, 1, 2, 2, 3, 3, 4, 4
+#define ALONG 1, 2, 2, 3, 3, 4, 4, 5
+#define ACROSS 0, 2, 1, 3, 2, 4, 3, 5
+#define EVEN 0, 2, 4, 6
+#else
+#define TWICE 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8
+#define ALONG 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8, 9
+#define ACROSS 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9
+#define EVEN 0, 2, 4, 6, 8, 10, 12, 14
+#endif
+
+/// Fine values along a row of coarse ones.
+ALWAYS Lane_f spread(const float *from, bool own) {
+  const Lane_f v = load_f(from - 1), near = __builtin_shufflevector(v, v, TWICE);
+  return own ? 0.5F * (near + __builtin_shufflevector(v, v, ALONG))
+             : 0.75F * near + 0.25F * __builtin_shufflevector(v, v, ACROSS);
+}
+
 /// Component a of a fine block from the padded coarse one that it is a part of.
 ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restrict out) {
   enum { ROWS = HALF + 2, LAYERS = DIM == 3 ? HALF + 2 : 1 };
@@ -84,11 +103,7 @@ ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restr
   for (int K = 0; K < LAYERS; K++)
     for (int J = 0; J < ROWS; J++) {
       const float *from = c + AT(offset[0], offset[1] + J - 1, (DIM == 3 ? offset[2] + K - 1 : 0));
-      for (int i = 0; i < HALF; i++) {
-        x[K][J][2 * i] = a == 0 ? from[i] : 0.75F * from[i] + 0.25F * from[i - 1];
-        x[K][J][2 * i + 1] =
-            a == 0 ? 0.5F * (from[i] + from[i + 1]) : 0.75F * from[i] + 0.25F * from[i + 1];
-      }
+      store_f(x[K][J], spread(from, a == 0));
     }
   for (int K = 0; K < LAYERS; K++)
     for (int j = 0; j < SIDE; j++) {
@@ -138,33 +153,54 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
   }
 }
 
-/// Transposed weights along one axis: coarse value I from fine ones 2 I - 1 ... 2 I + 2, `step` apart.
-ALWAYS float gather4(const float *at, int step, bool own) {
-  return own ? at[0] + 0.5F * (at[-step] + at[step])
-             : 0.75F * (at[0] + at[step]) + 0.25F * (at[-step] + at[2 * step]);
+/// Half a register.
+typedef float Half
+    __attribute__((vector_size(LANES_F * sizeof(float) / 2), aligned(sizeof(float)), may_alias));
+
+/// Half a register.
+typedef float Half
+    __attribute__((vector_size(LANES_F * sizeof(float) / 2), aligned(sizeof(float)), may_alias));
+
+/// Transposed weights along one axis: a coarse value from four fine ones, of which the second is the nearest.
+ALWAYS Lane_f gather4(Lane_f before, Lane_f here, Lane_f after, Lane_f far, bool own) {
+  return own ? here + 0.5F * (before + after) : 0.75F * (here + after) + 0.25F * (before + far);
 }
 
-/// Component a of a part of a coarse block (in coarse cells, SIDE apart) from the padded fine block below it.
-ALWAYS void collect(const float *f, int a, float *restrict out) {
-  _Alignas(64) float z[DEEP_HALF][SIDE + 2][PAD_X], yz[DEEP_HALF][HALF][PAD_X];
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int j = -1; j <= SIDE; j++)
-      for (int i = -1; i <= SIDE; i++)
-        z[K][j + 1][i + PAD_LEFT] =
-            DIM == 3 ? gather4(f + AT(i, j, 2 * K), STEP_Z, a == 2) : f[AT(i, j, 0)];
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int J = 0; J < HALF; J++)
-      for (int i = -1; i <= SIDE; i++)
-        yz[K][J][i + PAD_LEFT] = gather4(&z[K][2 * J + 1][i + PAD_LEFT], PAD_X, a == 1);
-  for (int K = 0; K < DEEP_HALF; K++)
-    for (int J = 0; J < HALF; J++)
-      for (int I = 0; I < HALF; I++)
-        out[(K * SIDE + J) * SIDE + I] = gather4(&yz[K][J][2 * I + PAD_LEFT], 1, a == 0);
+/// Values two places further up.
+ALWAYS Lane_f shift_two(Lane_f v, Lane_f next) {
+  return shift_up_f(shift_up_f(v, next), shift_up_f(next, next));
+}
+
+/// Component a of a part of a coarse block (in coarse cells, SIDE apart) from the fine block below it: along z and y in the
+/// block and those before and behind it, then along x.
+ALWAYS void collect(const Rows_f *rows, int a, float *restrict out) {
+  Lane_f z[3][SIDE + 2];
+  for (int K = 0; K < DEEP_HALF; K++) {
+    for (int x = 0; x < 3; x++)
+      for (int j = -1; j <= SIDE; j++) {
+        const float *const *at = rows->at[x] + ROW(j, 2 * K);
+        z[x][j + 1] = load_f(at[0] + a * CELLS);
+#if DIM == 3
+        z[x][j + 1] =
+            gather4(load_f(at[-ROWS_Z] + a * CELLS), z[x][j + 1], load_f(at[ROWS_Z] + a * CELLS),
+                    a == 2 ? z[x][j + 1] : load_f(at[2 * ROWS_Z] + a * CELLS), a == 2);
+#endif
+      }
+    for (int J = 0; J < HALF; J++) {
+      Lane_f v[3];
+      for (int x = 0; x < 3; x++) {
+        const Lane_f *at = &z[x][2 * J];
+        v[x] = gather4(at[0], at[1], at[2], a == 1 ? at[0] : at[3], a == 1);
+      }
+      const Lane_f sum = gather4(shift_down_f(v[0], v[1]), v[1], shift_up_f(v[1], v[2]),
+                                 shift_two(v[1], v[2]), a == 0);
+      *(Half *)(out + (K * SIDE + J) * SIDE) = __builtin_shufflevector(sum, sum, EVEN);
+    }
+  }
 }
 
 LTH_CLONES
 static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
-  _Alignas(64) float f[PADDED];
   const float *near[N_NEAR];
   float *b = block_of(coarse->b, block);
   memset(b, 0, sizeof *b * BLOCK);
@@ -174,10 +210,9 @@ static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, Li
     child_of(coarse->grid, block, child, place, offset);
     if (!find_near_place(fine->grid, place, fine->y, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
-    for (int a = 0; a < DIM; a++) {
-      pad(near, a * CELLS, f);
-      collect(f, a, b + a * CELLS + first);
-    }
+    Rows_f rows;
+    find_rows_f(near, &rows);
+    for (int a = 0; a < DIM; a++) collect(&rows, a, b + a * CELLS + first);
   }
   if (!coarse->pull) return;
   const float *pull = coarse->pull + (LitheCount)block * BLOCK;
