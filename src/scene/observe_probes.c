@@ -3,6 +3,7 @@
 #include "io/file.h"
 #include "scene/measure.h"
 #include "scene/observe.h"
+#include "scene/staggered_body.h"
 
 #include "base/tensor.h"
 
@@ -15,13 +16,23 @@ struct LthProbes {
   LthCsv *csv;
   LitheIndex n;
   LitheIndex *body, *cell; ///< that a probe lies in               (n)
+  double *at;              ///< where it is read [m]           (n x 3)
   double *row;             ///< (1 + COLUMNS n)
 };
 
-/// The first body that holds a place, else the one whose nearest element's centroid is nearest.
+/// Diagonal of an element's box.
+static double width_of(const LthBody *body, LitheIndex cell) {
+  if (body->staggered) return body->staggered->diagonal;
+  const double *box = body->mesh->cell_box + 6 * (LitheCount)cell;
+  return lth_v3_distance(box, box + 3);
+}
+
+/// The first body that holds a place, else the one whose nearest element's centroid is nearest. `place`: the
+/// probe itself, or that centroid where it is farther away than an element is wide.
 static LitheStatus find_cell(LitheCtx *ctx, const LthWorld *world, const LthSceneProbe *p,
-                             LitheIndex *body, LitheIndex *cell) {
-  double nearest = INFINITY;
+                             LitheIndex *body, LitheIndex *cell, double place[3]) {
+  double nearest = INFINITY, best[3] = {0};
+  lth_v3_copy(p->point, place);
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     const LthBody *at = world->bodies[b];
     LitheIndex found;
@@ -34,10 +45,17 @@ static LitheStatus find_cell(LitheCtx *ctx, const LthWorld *world, const LthScen
     nearest = distance;
     *body = b;
     *cell = found;
+    lth_v3_copy(center, best);
     if (inside) return LITHE_OK;
   }
-  lth_warn(ctx, "probe %s: (%g, %g, %g) lies outside the body at rest; the nearest element is used",
-           p->name, p->point[0], p->point[1], p->point[2]);
+  if (!(nearest < INFINITY)) return LITHE_OK;
+  bool far = nearest > width_of(world->bodies[*body], *cell);
+  if (far) lth_v3_copy(best, place);
+  lth_warn(ctx,
+           "probe %s: (%g, %g, %g) lies outside the body at rest, %.3g m from the centre of the "
+           "nearest element, (%g, %g, %g); %s; choose a point inside",
+           p->name, p->point[0], p->point[1], p->point[2], nearest, best[0], best[1], best[2],
+           far ? "its values are those there" : "its values are those of that element carried on");
   return LITHE_OK;
 }
 
@@ -88,16 +106,18 @@ LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *w
   if (p->n == 0) return LITHE_OK;
   LTH_NEW(ctx, p->body, p->n);
   LTH_NEW(ctx, p->cell, p->n);
+  LTH_NEW(ctx, p->at, 3 * (LitheCount)p->n);
   LTH_NEW(ctx, p->row, 1 + COLUMNS * (LitheCount)p->n);
   for (LitheIndex i = 0; i < p->n; i++)
-    LITHE_TRY(find_cell(ctx, world, world->scene->probes + i, p->body + i, p->cell + i));
+    LITHE_TRY(find_cell(ctx, world, world->scene->probes + i, p->body + i, p->cell + i,
+                        p->at + 3 * (LitheCount)i));
   return open_csv(ctx, folder, world->scene, resumes, p);
 }
 
 LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i) {
   LthProbeValue value;
   const LthBody *body = world->bodies[probes->body[i]];
-  const double *at = world->scene->probes[i].point;
+  const double *at = probes->at + 3 * (LitheCount)i;
   lth_disc_sample(body->disc, probes->cell[i], lth_body_displacement(body), at, value.displacement);
   body->disc->table->stress(body->disc, probes->cell[i], lth_body_position(body), at, value.stress);
   value.von_mises = lth_von_mises(value.stress);
@@ -126,6 +146,7 @@ LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes) {
   LitheStatus status = lth_csv_close(ctx, &(*probes)->csv);
   lth_free(ctx, (*probes)->body);
   lth_free(ctx, (*probes)->cell);
+  lth_free(ctx, (*probes)->at);
   lth_free(ctx, (*probes)->row);
   lth_free(ctx, *probes);
   *probes = NULL;

@@ -113,7 +113,57 @@ def test_elements():
             expect("which_weighs_all_%d" % degree, near(reaction(deep)[1], 1e4 * 0.5, 1e-9), reaction(deep))
 
 
+PROBED = """lithe: 1
+bodies:
+  - name: box
+    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: %s, cells: 4}
+    constraints: [{where: {plane: {point: [0, 0, 0], normal: [0, -1, 0]}}, displacement: [0, 0, 0]}]
+gravity: [0, -10, 0]
+time: {kind: static}
+probes: [{name: far, point: [3, 0.6, 0.6]}, {name: near, point: [1.01, 0.6, 0.6]}, {name: last, point: [0.875, 0.625, 0.625]}]
+output: {every: last, fields: [none]}
+"""
+
+
+def test_probes():
+    """Beside the body: both methods say so, and read the nearest element and nothing that is carried far away."""
+    with folder() as d:
+        for kind in ("dg", "staggered"):
+            r = result(d, PROBED % kind)
+            told = [w for w in r["warnings"] if "probe" in w]
+            expect("probes_beside_a_%s_body_are_told" % kind, len(told) == 2 and
+                   "probe far: (3, 0.6, 0.6) lies outside the body at rest, 2.13 m from the centre of the nearest element, "
+                   "(0.875, 0.625, 0.625); its values are those there; choose a point inside" in told[0] and
+                   "carried on; choose a point inside" in told[1], told)
+            p = r["probes"]
+            expect("far_ones_of_%s_read_the_nearest_element" % kind,
+                   p["far"]["displacement"] == p["last"]["displacement"], p)
+
+
+def test_floating():
+    """What nothing holds is told with the free motions and their place."""
+    with folder() as d:
+        bar = PROBED % "staggered"
+        hold = "bodies.0.constraints="
+        for name, change, says in (
+                ("one_translation", hold + "[{where: {normal: [-1, 0, 0]}, displacement: [0, 0, null]}]",
+                 "against translation along z;"),
+                ("a_turn_about_an_axis",
+                 hold + "[{where: {box: {min: [0.4, 0.6, -1], max: [0.6, 0.7, 2]}}, interior: true, displacement: "
+                 "[0, null, null]}, {where: {box: {min: [0.6, 0.4, -1], max: [0.7, 0.6, 2]}}, interior: true, "
+                 "displacement: [null, 0, null]}, {where: {normal: [0, 0, -1]}, displacement: {normal: 0}}]",
+                 "against rotation about z through (0.625, 0.625,"),
+                ("all_but_a_plane", hold + "[{where: {normal: [0, -1, 0]}, displacement: {normal: 0}}]",
+                 "against translation along x, translation along z, rotation about y through (")):
+            r = result(d, bar, change)
+            expect("a_body_free_to_make_%s_is_told" % name, says in r.get("failed", ""), r.get("failed", r.get("probes")))
+
+
 test_curved_boundary()
 test_socket()
 test_elements()
+test_probes()
+test_floating()
 done()

@@ -124,11 +124,26 @@ static void stress_row(const LthStaggered *s, const Loading *l, const LitheCount
   }
 }
 
+/// The force that the boundary seen by an unknown is to get: its area is along the unknown's axis.
+static void add_wanted(const LthStaggered *s, const Loading *l, const LitheCount *slot,
+                       const int stride[3], const Rim *rim, double area, double wanted[3]) {
+  const LthLoad *load = l->load;
+  double C[9], t[3];
+  if (load->kind == LTH_LOAD_PRESSURE && load->follower && l->x) {
+    double force = -lth_value_at(&load->value[0], rim->point, l->t) * area;
+    cofactor_at(s, slot, stride, rim, l->x, C);
+    for (int b = 0; b < s->dim; b++) wanted[b] += force * C[3 * b + rim->a];
+    return;
+  }
+  traction_at(l, rim, t);
+  lth_v3_axpy(area * rim->normal[rim->a], t, wanted);
+}
+
 /// Force of the load on an unknown, counted in the sums.
 static double rim_force(const LthStaggered *s, const Loading *l, const LitheCount *slot,
                         const int stride[3], const Rim *rim, LthBoundarySum *sum) {
   int a = rim->a;
-  double volume = lth_sparse_grid_cell_volume(s->grid), row[3], t[3];
+  double volume = lth_sparse_grid_cell_volume(s->grid), row[3];
   double seen = fmax(0, volume * lth_v3_dot(rim->normal, rim->slope));
   double area = volume * rim->normal[a] * rim->slope[a];
   if (l->spreads) return seen * l->spread[a];
@@ -137,8 +152,7 @@ static double rim_force(const LthStaggered *s, const Loading *l, const LitheCoun
   sum->area += area;
   sum->given[a] += force;
   sum->weight[a] += seen;
-  traction_at(l, rim, t);
-  lth_v3_axpy(area, t, sum->wanted);
+  add_wanted(s, l, slot, stride, rim, volume * rim->slope[a], sum->wanted);
   return force;
 }
 
@@ -255,7 +269,8 @@ static LitheStatus add_boundary(LitheCtx *ctx, const LthStaggered *s, Loading *l
                "the load acts on no boundary of the body; choose a `where` that selects some");
   for (int a = 0; a < 3 && is_total; a++)
     sum.wanted[a] = lth_value_at(&load->value[a], (const double[3]){0}, l->t);
-  if (is_total || load->kind == LTH_LOAD_TRACTION) complete(s, l, &sum);
+  bool follows = load->kind == LTH_LOAD_PRESSURE && load->follower && l->x;
+  if (is_total || follows || load->kind == LTH_LOAD_TRACTION) complete(s, l, &sum);
   return LITHE_OK;
 }
 

@@ -13,7 +13,6 @@
 
 #define NONE (-1)   // in no group
 #define GROUND (-2) // held, or fixed by what is held
-#define MAX_ROUNDS 64
 #define SINGULAR                                                                                   \
   1e-9 // of a scaled Gram matrix of rigid motions; independent ones are above 1 / (cells along a seam)^2
 
@@ -436,8 +435,9 @@ static LitheCount drop_cells(Finder *f, LthLoose *loose) {
   return n;
 }
 
+/// Every round leaves out one live cell at least, or is the last.
 static LitheStatus find(Finder *f, LthLoose *loose) {
-  for (int round = 0; round < MAX_ROUNDS; round++) {
+  for (;;) {
     find_corners(f);
     number_groups(f);
     label_unknowns(f);
@@ -448,7 +448,6 @@ static LitheStatus find(Finder *f, LthLoose *loose) {
     if (drop_cells(f, loose) == 0) return LITHE_OK;
     lth_staggered_rule_a(f->ctx, f->level);
   }
-  return LITHE_OK;
 }
 
 LitheStatus lth_staggered_drop_loose(LitheCtx *ctx, LthStaggeredLevel *level, LthLoose *loose) {
