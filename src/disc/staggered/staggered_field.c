@@ -32,17 +32,21 @@ LitheStatus lth_staggered_project(LitheCtx *ctx, const LthDisc *disc,
   return LITHE_OK;
 }
 
-/// A live cell beside face a of a slot; -1 for a held unknown that touches none.
+/// A live cell beside face a of a slot, or of a held unknown that touches none across a shear sample that reads it.
 static LitheCount cell_beside(const LthStaggered *s, LitheCount slot, int a) {
-  int down[3] = {0};
-  if (lth_staggered_is_live(&s->level, slot)) return slot;
-  down[a] = -1;
-  slot = lth_sparse_grid_step(s->grid, slot, down);
-  return lth_staggered_is_live(&s->level, slot) ? slot : -1;
+  for (int k = 0; k <= 2 * s->dim; k++) // its own, then those one step along an axis
+    for (int side = 0; side < 2; side++) {
+      int d[3] = {0};
+      if (k > 0 && (k - 1) / 2 == a) continue;
+      if (k > 0) d[(k - 1) / 2] = k % 2 ? -1 : 1;
+      d[a] = -side;
+      LitheCount cell = lth_sparse_grid_step(s->grid, slot, d);
+      if (lth_staggered_is_live(&s->level, cell)) return cell;
+    }
+  return -1;
 }
 
-/// Component b of a field where the unknown of component a stands. Held unknowns beside the body see their own
-/// function's: only those that are free carry mass.
+/// Component b of a field where the unknown of component a stands.
 static double value_beside(const LthStaggered *s, LitheIndex i, int a, int b, const double *x) {
   LitheCount cell = cell_beside(s, s->slot[i], a);
   if (cell < 0) return x[3 * (LitheCount)i + b];
