@@ -44,7 +44,8 @@ static const struct {
     {"--methods", NULL, "LIST", VERIFY,
      "methods to compare: --methods dg,staggered (all if not given)"},
     {"--cells", NULL, "LIST", VERIFY,
-     "resolutions along the longest side: --cells 8,16,32 (half, once and twice the scene's)"},
+     "resolutions along the longest side: --cells 8,16,32 or 'dg:8,16;cg:16,32' (half, once, twice "
+     "the scene's)"},
     {"--meshes", NULL, "LIST", VERIFY, "mesh files for cg, coarse to fine: --meshes a.msh,b.msh"},
     {"--tolerance", NULL, "SHARE", VERIFY,
      "how far methods may be apart: --tolerance 1% (stresses three times as far)"},

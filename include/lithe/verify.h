@@ -13,7 +13,7 @@ typedef struct LitheVerifyDef {
   const char *folder;  ///< where everything is written; NULL: out/<scene>-verify
   const char *methods; ///< "dg,staggered,cg"; NULL: all that the scene allows
   const char *
-      cells; ///< "8,16,32" along the longest side; NULL: half the scene's own, its own, and twice that
+      cells; ///< "8,16,32" along the longest side, or "dg:8,16;cg:16,32"; NULL: half the scene's own, its own, and twice that
   const char
       *meshes;      ///< "a.msh,b.msh" beside the scene: what cg takes, coarse to fine; NULL: cells
   double tolerance; ///< how far methods may be apart, as a share; stresses three times as far

@@ -79,25 +79,63 @@ static LitheStatus choose_methods(Verify *v) {
              v->def->scene, left_out);
 }
 
-/// Resolutions along the longest side, the same for all methods.
-static LitheStatus choose_cells(Verify *v) {
-  double own = lth_verify_cells(v->scene->bodies), cells[LTH_VERIFY_LEVELS_MAX];
-  int n = 0;
-  for (const char *at = v->def->cells; at;) {
-    size_t length = strcspn(at, ",");
+/// Of "8,16,32" or "dg:8,16;staggered:16,32,64" the part for a method: that with its name, else the one without a name.
+static LthWord cells_of(const char *list, const char *name) {
+  LthWord found = {NULL, 0};
+  for (const char *at = list; at; at = strchr(at, ';'), at = at ? at + 1 : NULL) {
+    size_t length = strcspn(at, ";"), named = strcspn(at, ":;");
+    bool has_name = at[named] == ':';
+    if (has_name && (named != strlen(name) || strncmp(at, name, named) != 0)) continue;
+    if (!has_name && found.at) continue;
+    found = has_name ? (LthWord){at + named + 1, length - named - 1} : (LthWord){at, length};
+    if (has_name) break;
+  }
+  return found;
+}
+
+static LitheStatus read_cells(Verify *v, LthWord list, LthVerifyMethod *m) {
+  const char *end = list.at + list.length;
+  for (const char *at = list.at; at;) {
+    size_t length = strcspn(at, ",;");
     double value = 0;
     bool is_number = lth_word_number((LthWord){at, length}, &value);
-    if (!is_number || !(value >= 1) || n == LTH_VERIFY_LEVELS_MAX)
+    if (!is_number || !(value >= 1) || m->n_levels == LTH_VERIFY_LEVELS_MAX)
       LITHE_FAIL(v->run->ctx, LITHE_BAD_INPUT,
-                 "--cells %s: expected 1 to %d rising numbers of cells, as in 8,16,32",
+                 "--cells %s: expected 1 to %d rising numbers of cells, as in 8,16,32 or "
+                 "\"dg:8,16,32;staggered:16,32,64\"",
                  v->def->cells, LTH_VERIFY_LEVELS_MAX);
-    cells[n++] = value;
-    at = at[length] ? at + length + 1 : NULL;
+    m->cells[m->n_levels++] = value;
+    at = at + length < end ? at + length + 1 : NULL;
   }
-  for (int i = 0; !v->def->cells && i < 3; i++) cells[n++] = fmax(1, round(own * (1 << i) / 2));
-  for (int m = 0; m < v->n_methods; m++) {
-    memcpy(v->method[m].cells, cells, sizeof cells);
-    v->method[m].n_levels = n;
+  return LITHE_OK;
+}
+
+/// Every name in front of a part of the list is that of a method here.
+static LitheStatus check_parts(Verify *v) {
+  for (const char *at = v->def->cells; at; at = strchr(at, ';'), at = at ? at + 1 : NULL) {
+    size_t named = strcspn(at, ":;");
+    bool known = at[named] != ':';
+    for (int m = 0; m < v->n_methods; m++)
+      known |= named == strlen(v->method[m].name) && strncmp(at, v->method[m].name, named) == 0;
+    if (!known)
+      LITHE_FAIL(v->run->ctx, LITHE_BAD_INPUT,
+                 "--cells %s: %.*s is none of the methods that are compared", v->def->cells,
+                 (int)named, at);
+  }
+  return LITHE_OK;
+}
+
+/// Resolutions along the longest side: the same for all methods, unless the list tells them apart.
+static LitheStatus choose_cells(Verify *v) {
+  double own = lth_verify_cells(v->scene->bodies);
+  LITHE_TRY(check_parts(v));
+  for (int k = 0; k < v->n_methods; k++) {
+    LthVerifyMethod *m = &v->method[k];
+    LthWord list = cells_of(v->def->cells, m->name);
+    m->n_levels = 0;
+    if (list.at) LITHE_TRY(read_cells(v, list, m));
+    for (int i = 0; !list.at && i < 3; i++)
+      m->cells[m->n_levels++] = fmax(1, round(own * (1 << i) / 2));
   }
   return LITHE_OK;
 }

@@ -33,6 +33,13 @@ with folder() as home:
     expect("verdicts_are_in_the_report", "probes.tip.displacement" in json.dumps(report), report)
     expect("every_run_is_kept", os.path.exists(os.path.join(out, "cg-8", "result.json")), os.listdir(out))
 
+    got = run("verify", scene, "--methods", "dg,cg", "--cells", "cg:2,6;2,4", "--tolerance", "9%", "-o", out + "-own")
+    expect("methods_may_have_resolutions_of_their_own", sorted(n for n in os.listdir(out + "-own") if "-" in n) ==
+           ["cg-2", "cg-6", "dg-2", "dg-4"], (got.stdout + got.stderr, os.listdir(out + "-own")))
+    got = run("verify", scene, "--methods", "dg,cg", "--cells", "staggered:2,6;2,4", "-o", out)
+    expect("names_are_of_methods_that_run", got.returncode == 2 and "staggered is none of the methods" in got.stderr,
+           got.stderr)
+
     got = run("verify", scene, "--methods", "dg,cg", "--cells", "2,4", "--tolerance", "0.00001", "-o", out)
     expect("methods_that_are_too_far_apart_fail", got.returncode == 1 and "DOES NOT HOLD" in got.stdout,
            got.stdout + got.stderr)
