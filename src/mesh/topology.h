@@ -29,6 +29,9 @@ typedef struct LthTopologyCell {
   LitheCount block; ///< its faces, in LthTopology.pool
   bool is_live;
   bool is_new, is_changed; ///< in births or changed_cells of the log
+  LitheIndex
+      before; ///< of new cells: record that it was a part of before the log began, -1 if merged
+  LitheIndex into; ///< of dead cells: record that it was merged into, -1 if it was split
 } LthTopologyCell;
 
 /// A cell was made of (a part of) another; merged cells have one entry for each they were made of.
@@ -92,6 +95,17 @@ static inline double lth_topology_side(const LthTopology *t, LitheIndex face, Li
 
 /// Clear the log and let the numbers of dead records be used again.
 LitheStatus lth_topology_forget(LitheCtx *ctx, LthTopology *topology);
+
+/// The record that a cell was (a part of) before the log began, through splits; -1 for merged cells.
+static inline LitheIndex lth_topology_before(const LthTopology *t, LitheIndex cell) {
+  return t->cells[cell].is_new ? t->cells[cell].before : cell;
+}
+
+/// The live record that a cell is, or was merged into; -1 where it was split.
+static inline LitheIndex lth_topology_now(const LthTopology *t, LitheIndex cell) {
+  while (cell >= 0 && !t->cells[cell].is_live) cell = t->cells[cell].into;
+  return cell;
+}
 
 /// What a split made: births first ... first + n - 1 of the log, below the plane the first n_below of them.
 typedef struct LthSplit {
@@ -157,3 +171,9 @@ LitheStatus lth_topology_check(LitheCtx *ctx, const LthTopology *topology, Lithe
 LitheStatus lth_topology_mesh(LitheCtx *ctx, const LthTopology *topology, LitheIndex n,
                               const LitheIndex *cells, LthMesh **mesh, LitheIndex **cell_record,
                               LitheIndex **face_record);
+
+/// Give the mesh that lth_topology_mesh() made the groups of the mesh `first` that the topology began with: parts of
+/// cells and of boundary faces belong to the groups of the whole ones.
+LitheStatus lth_topology_groups(LitheCtx *ctx, const LthTopology *topology, const LthMesh *first,
+                                const LitheIndex *cell_record, const LitheIndex *face_record,
+                                LthMesh *mesh);

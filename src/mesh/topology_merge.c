@@ -62,6 +62,7 @@ LitheStatus lth_topology_merge(LitheCtx *ctx, LthTopology *t, LitheIndex a, Lith
   t->cells[*merged].area = t->cells[a].area + t->cells[b].area;
   LITHE_TRY(lth_topology_note_birth(ctx, t, *merged, a));
   LITHE_TRY(lth_topology_note_birth(ctx, t, *merged, b));
+  t->cells[a].into = t->cells[b].into = *merged;
   LITHE_TRY(lth_topology_end_cell(ctx, t, a));
   LITHE_TRY(lth_topology_end_cell(ctx, t, b));
   LITHE_TRY(move_faces(ctx, t, a, b, *merged));

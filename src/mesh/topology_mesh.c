@@ -118,3 +118,40 @@ done:;
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   return status;
 }
+
+static LitheStatus make_group(LitheCtx *ctx, const LthTopology *t, const LthMeshGroup *group,
+                              const bool *is_in, const LitheIndex *record, LthMesh *mesh,
+                              LthMeshGroup *made) {
+  LitheCount cap = 0;
+  LITHE_TRY(lth_copy_text(ctx, group->name, &made->name));
+  made->tag = group->tag;
+  made->of_cells = group->of_cells;
+  for (LitheIndex i = 0; i < (group->of_cells ? mesh->n_cells : mesh->n_faces); i++) {
+    LitheIndex source = group->of_cells ? t->cells[record[i]].source : t->faces[record[i]].source;
+    bool is_inner = !group->of_cells && mesh->face_cell[2 * i + 1] >= 0;
+    if (source < 0 || is_inner || !is_in[source]) continue;
+    LTH_RESERVE(ctx, made->member, cap, (LitheCount)made->n + 1);
+    made->member[made->n++] = i;
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_topology_groups(LitheCtx *ctx, const LthTopology *t, const LthMesh *first,
+                                const LitheIndex *cell_record, const LitheIndex *face_record,
+                                LthMesh *mesh) {
+  LitheStatus status = LITHE_OK;
+  bool *is_in = NULL;
+  LTH_NEW(ctx, mesh->groups, first->n_groups);
+  LTH_NEW(ctx, is_in, first->n_cells > first->n_faces ? first->n_cells : first->n_faces);
+  for (LitheIndex g = 0; g < first->n_groups; g++) {
+    const LthMeshGroup *group = first->groups + g;
+    for (LitheIndex i = 0; i < group->n; i++) is_in[group->member[i]] = true;
+    mesh->n_groups++;
+    LITHE_TRY_OR(done, make_group(ctx, t, group, is_in, group->of_cells ? cell_record : face_record,
+                                  mesh, mesh->groups + g));
+    for (LitheIndex i = 0; i < group->n; i++) is_in[group->member[i]] = false;
+  }
+done:
+  lth_free(ctx, is_in);
+  return status;
+}

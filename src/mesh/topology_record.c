@@ -163,7 +163,8 @@ LitheStatus lth_topology_end_face(LitheCtx *ctx, LthTopology *t, LitheIndex face
 LitheStatus lth_topology_add_cell(LitheCtx *ctx, LthTopology *t, LitheIndex source, LitheIndex room,
                                   LitheIndex *cell) {
   LthTopologyWork *w = t->work;
-  LthTopologyCell made = {.source = source, .room = room, .is_live = true};
+  LthTopologyCell made = {
+      .source = source, .room = room, .is_live = true, .before = -1, .into = -1};
   if (w->n_free_cells > 0) {
     *cell = w->free_cells[--w->n_free_cells];
   } else {
@@ -192,7 +193,9 @@ LitheStatus lth_topology_note_birth(LitheCtx *ctx, LthTopology *t, LitheIndex ce
   LthTopologyLog *log = &t->log;
   LTH_RESERVE(ctx, log->births, log->births_cap, (LitheCount)log->n_births + 1);
   log->births[log->n_births++] = (LthTopologyBirth){cell, parent};
-  t->cells[cell].is_new = true;
+  LthTopologyCell *c = t->cells + cell;
+  c->before = c->is_new ? -1 : lth_topology_before(t, parent);
+  c->is_new = true;
   return LITHE_OK;
 }
 

@@ -325,6 +325,69 @@ static void a_part_of_the_cells_is_a_mesh_of_its_own(void **state) {
   end(ctx, t);
 }
 
+static void parts_belong_to_the_groups_of_the_whole(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthGrid g = {{0, 0, 0}, {2, 2, 2}, {2, 2, 2}};
+  LthMesh *first = NULL, *mesh = NULL;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &g, &first));
+  LthMeshGroup groups[2] = {{.name = "soft", .tag = 7, .of_cells = true, .n = 1},
+                            {.name = "down", .tag = -1, .n = 0}};
+  LitheIndex soft = 3, down[4];
+  for (LitheIndex f = 0; f < first->n_faces; f++)
+    if (first->face_cell[2 * f + 1] < 0 && first->face_normal[3 * f + 2] < -0.5)
+      down[groups[1].n++] = f;
+  assert_int_equal(groups[1].n, 4);
+  groups[0].member = &soft;
+  groups[1].member = down;
+  first->groups = groups;
+  first->n_groups = 2;
+  LthTopology *t = NULL;
+  CHECK_OK(ctx, lth_topology_create(ctx, first, &t));
+  LthPlane p = plane(1.5, 1.5, 0, 1, 1, 0.2);
+  topology_cut_all(ctx, t, &p, LTH_TAG_CUT);
+  LitheIndex *of_cell = NULL, *of_face = NULL;
+  CHECK_OK(ctx, lth_topology_mesh(ctx, t, 0, NULL, &mesh, &of_cell, &of_face));
+  CHECK_OK(ctx, lth_topology_groups(ctx, t, first, of_cell, of_face, mesh));
+  assert_int_equal(mesh->n_groups, 2);
+  assert_string_equal(mesh->groups[0].name, "soft");
+  double volume = 0, area = 0;
+  for (LitheIndex i = 0; i < mesh->groups[0].n; i++)
+    volume += mesh->cell_volume[mesh->groups[0].member[i]];
+  for (LitheIndex i = 0; i < mesh->groups[1].n; i++)
+    area += mesh->face_area[mesh->groups[1].member[i]];
+  assert_true(mesh->groups[0].n > 1 && mesh->groups[1].n > 4);
+  CHECK_NEAR(volume, 1, 1e-14);
+  CHECK_NEAR(area, 4, 1e-14);
+  first->groups = NULL;
+  first->n_groups = 0;
+  lth_free(ctx, of_cell);
+  lth_free(ctx, of_face);
+  lth_mesh_destroy(ctx, &first);
+  lth_mesh_destroy(ctx, &mesh);
+  end(ctx, t);
+}
+
+static void what_cells_were_and_became_is_known(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthTopology *t = hexahedra(ctx, 2);
+  LthSplit s;
+  CHECK_OK(ctx, lth_topology_split_eight(ctx, t, 5, &s));
+  LitheIndex child = t->log.births[t->log.n_births - 1].cell, merged = -1;
+  assert_int_equal(lth_topology_before(t, child), 5);
+  assert_int_equal(lth_topology_before(t, 2), 2);
+  assert_int_equal(lth_topology_now(t, 5), -1);
+  assert_true(lth_topology_may_merge(t, 0, 1));
+  CHECK_OK(ctx, lth_topology_merge(ctx, t, 0, 1, &merged));
+  assert_int_equal(lth_topology_now(t, 0), merged);
+  assert_int_equal(lth_topology_now(t, 1), merged);
+  assert_int_equal(lth_topology_before(t, merged), -1);
+  CHECK_OK(ctx, lth_topology_forget(ctx, t));
+  assert_int_equal(lth_topology_before(t, child), child);
+  end(ctx, t);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_cell_is_halved_and_its_neighbours_only_see_more_faces),
@@ -338,6 +401,8 @@ int main(void) {
       cmocka_unit_test(slivers_merge_but_never_across_a_cut),
       cmocka_unit_test(eight_and_two_make_as_many_and_merging_takes_them_back),
       cmocka_unit_test(records_and_points_are_used_again),
+      cmocka_unit_test(parts_belong_to_the_groups_of_the_whole),
+      cmocka_unit_test(what_cells_were_and_became_is_known),
       cmocka_unit_test(a_part_of_the_cells_is_a_mesh_of_its_own),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,20 +51,13 @@ static Change start_change(LitheCtx *ctx, LthMesh *mesh, int degree) {
   return c;
 }
 
-/// The first cell from which a record comes, through splits alone.
-static LitheIndex ancestor(const LthTopology *t, LitheIndex record) {
-  for (LitheIndex i = t->log.n_births; i-- > 0;)
-    if (t->log.births[i].cell == record) record = t->log.births[i].parent;
-  return record;
-}
-
 /// Call after all splits and before merges.
 static void take_atoms(Change *c, LitheIndex **record) {
   CHECK_OK(c->ctx, lth_topology_mesh(c->ctx, c->t, 0, NULL, &c->atoms, record, NULL));
   c->from_cell = lth_alloc(c->ctx, c->atoms->n_cells, sizeof *c->from_cell);
   c->to_cell = lth_alloc(c->ctx, c->atoms->n_cells, sizeof *c->to_cell);
   for (LitheIndex i = 0; i < c->atoms->n_cells; i++) {
-    c->from_cell[i] = ancestor(c->t, (*record)[i]);
+    c->from_cell[i] = lth_topology_before(c->t, (*record)[i]);
     c->to_cell[i] = i;
   }
 }
@@ -74,9 +67,7 @@ static void take_after(Change *c, const LitheIndex *atom_record, int degree) {
   LitheIndex *record = NULL;
   CHECK_OK(c->ctx, lth_topology_mesh(c->ctx, c->t, 0, NULL, &c->after, &record, NULL));
   for (LitheIndex i = 0; i < c->atoms->n_cells; i++) {
-    LitheIndex now = atom_record[i];
-    for (LitheIndex k = 0; k < c->t->log.n_births; k++)
-      if (c->t->log.births[k].parent == now) now = c->t->log.births[k].cell;
+    LitheIndex now = lth_topology_now(c->t, atom_record[i]);
     for (LitheIndex k = 0; k < c->after->n_cells; k++)
       if (record[k] == now) c->to_cell[i] = k;
   }
