@@ -2,7 +2,8 @@
 ///   topology.c         creation, destruction, the log
 ///   topology_record.c  records of points, faces and cells
 ///   topology_split.c   splitting a cell: order of steps, and what becomes of its faces
-///   topology_clip.c    signs of points; faces to chains below and above the plane
+///   topology_points.c  signs of points, new points on edges
+///   topology_clip.c    faces to chains below and above the plane, the cap
 ///   topology_trace.c   chains to loops, loops to parts with their holes
 ///   topology_parts.c   parts to connected cells; cavities
 ///   topology_divide.c  new corners on the edges of neighbours
@@ -180,7 +181,7 @@ static inline bool lth_topology_visit_face(LthTopology *t, LitheIndex face) {
   return is_new;
 }
 
-// topology_clip.c
+// topology_points.c
 
 /// Take a plane in hand: signs and cuts of others are forgotten. `reach` [m]: closer points are on it.
 void lth_topology_take_plane(LthTopology *t, const double plane[4], double reach);
@@ -194,12 +195,18 @@ double lth_topology_reach(const LthTopology *t, LitheIndex cell, const double pl
 /// Signs of a cell's points; -1 or +1 where all of them are on one side (or on the plane), else 0.
 LitheStatus lth_topology_classify(LitheCtx *ctx, LthTopology *t, LitheIndex cell, int *side);
 
-/// The cell's faces as parts below and above, and the cap's chain and dividers. `*is_clean` is false where a
-/// cut does not come out as polygons.
-LitheStatus lth_topology_clip(LitheCtx *ctx, LthTopology *t, LitheIndex cell, bool *is_clean);
+/// The point in which an edge meets the plane in hand, the same for all that ask.
+LitheStatus lth_topology_cut_edge(LitheCtx *ctx, LthTopology *t, LitheIndex a, LitheIndex b,
+                                  LitheIndex *point);
 
 /// The new point of an edge in the plane in hand, -1: it has none.
 LitheIndex lth_topology_find_cut(const LthTopology *t, LitheIndex a, LitheIndex b);
+
+// topology_clip.c
+
+/// The cell's faces as parts below and above, and the cap's chain and dividers. `*is_clean` is false where a
+/// cut does not come out as polygons.
+LitheStatus lth_topology_clip(LitheCtx *ctx, LthTopology *t, LitheIndex cell, bool *is_clean);
 
 // topology_trace.c
 

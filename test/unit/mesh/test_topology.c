@@ -258,6 +258,26 @@ static void slivers_merge_but_never_across_a_cut(void **state) {
   end(ctx, t);
 }
 
+static void cells_at_the_tip_of_a_cut_do_not_close_it(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthTopology *t = hexahedra(ctx, 2);
+  LthPlane p = plane(0, 0, 0.4, 0, 0, 1);
+  LthSplit s;
+  LitheIndex tip = 1, below = 0, above = 0;
+  CHECK_OK(ctx, lth_topology_split(ctx, t, 0, &p, LTH_TAG_CUT, &s));
+  below = t->log.births[s.first].cell, above = t->log.births[s.first + 1].cell;
+  assert_false(lth_topology_may_merge(t, below, above));
+  assert_true(lth_topology_may_merge(t, below, tip) && lth_topology_may_merge(t, above, tip));
+  CHECK_OK(ctx, lth_topology_merge(ctx, t, below, tip, &tip));
+  assert_false(lth_topology_may_merge(t, above, tip));
+  LitheIndex n = 0;
+  CHECK_OK(ctx, lth_topology_merge_slivers(ctx, t, 1, &above, 0.7, &n));
+  assert_int_equal(n, 1); // into a neighbour that the cut does not touch
+  assert_false(lth_topology_may_merge(t, lth_topology_now(t, above), tip));
+  end(ctx, t);
+}
+
 static void eight_and_two_make_as_many_and_merging_takes_them_back(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -399,6 +419,7 @@ int main(void) {
       cmocka_unit_test(a_cut_parts_the_body_inside_cells_and_along_their_faces),
       cmocka_unit_test(planes_that_do_not_meet_part_all_the_same),
       cmocka_unit_test(slivers_merge_but_never_across_a_cut),
+      cmocka_unit_test(cells_at_the_tip_of_a_cut_do_not_close_it),
       cmocka_unit_test(eight_and_two_make_as_many_and_merging_takes_them_back),
       cmocka_unit_test(records_and_points_are_used_again),
       cmocka_unit_test(parts_belong_to_the_groups_of_the_whole),
