@@ -213,6 +213,35 @@ static void a_cut_parts_the_body_inside_cells_and_along_their_faces(void **state
   lithe_ctx_destroy(&ctx);
 }
 
+static void a_cut_ends_where_its_cells_end(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  for (int along = 0; along < 2; along++) { // inside cells, and along their faces
+    LthTopology *t = hexahedra(ctx, 4);
+    LitheIndex cells[64], n = 0;
+    for (LitheIndex c = 0; c < 64; c++)
+      if (t->cells[c].centroid[0] < 2) cells[n++] = c;
+    LthPlane p = plane(0, 0, along ? 2 : 1.7, 0, 0, 1);
+    LthCut cut;
+    CHECK_OK(ctx, lth_topology_cut(ctx, t, n, cells, 1, &p, LTH_TAG_CUT, &cut));
+    assert_int_equal(cut.n_split, along ? 0 : 8);
+    assert_int_equal(cut.n_separated, along ? 8 : 0);
+    CHECK_NEAR(cut.area, 8, 1e-14);
+    assert_int_equal(components(ctx, t), 1);
+    CHECK_OK(ctx, lth_topology_check(ctx, t, 0, NULL));
+
+    // the rest of it later, with another number: now there are two pieces
+    n = 0;
+    for (LitheIndex c = 0; c < t->n_cells; c++)
+      if (t->cells[c].is_live && t->cells[c].centroid[0] > 2) cells[n++] = c;
+    CHECK_OK(ctx, lth_topology_cut(ctx, t, n, cells, 1, &p, LTH_TAG_CUT - 1, &cut));
+    assert_int_equal(components(ctx, t), 2);
+    CHECK_OK(ctx, lth_topology_check(ctx, t, 0, NULL));
+    lth_topology_destroy(ctx, &t);
+  }
+  lithe_ctx_destroy(&ctx);
+}
+
 static void planes_that_do_not_meet_part_all_the_same(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -417,6 +446,7 @@ int main(void) {
       cmocka_unit_test(a_ring_and_a_cavity_are_cut),
       cmocka_unit_test(neighbours_are_cut_in_the_same_points_in_any_order),
       cmocka_unit_test(a_cut_parts_the_body_inside_cells_and_along_their_faces),
+      cmocka_unit_test(a_cut_ends_where_its_cells_end),
       cmocka_unit_test(planes_that_do_not_meet_part_all_the_same),
       cmocka_unit_test(slivers_merge_but_never_across_a_cut),
       cmocka_unit_test(cells_at_the_tip_of_a_cut_do_not_close_it),
