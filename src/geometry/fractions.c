@@ -382,7 +382,8 @@ static LitheStatus fail_empty(const Builder *b) {
   for (int a = 0; a < 3; a++) end[a] = f->origin[a] + f->h[a] * f->end_cell[a];
   LITHE_FAIL(b->ctx, LITHE_BAD_INPUT,
              "nothing of the shape was found in the grid from (%g, %g, %g) to (%g, %g, %g) m: it "
-             "lies beside it, or is thinner than cells can show",
+             "lies beside it, is thinner than cells can show, or is an expression that is nowhere "
+             "negative",
              f->origin[0], f->origin[1], f->origin[2], end[0], end[1], end[2]);
 }
 

@@ -21,7 +21,7 @@ void lth_loops_destroy(LitheCtx *ctx, LthLoops **loops) {
 static const double *corner(const LthLoops *l, LitheIndex i) { return l->points + 2 * (size_t)i; }
 
 /// Twice the area of a loop, about its first corner.
-static double loop_area2(const LthLoops *l, LitheIndex loop) {
+double lth_loop_area2(const LthLoops *l, LitheIndex loop) {
   const double *o = corner(l, l->first[loop]);
   double sum = 0;
   for (LitheIndex i = l->first[loop]; i < l->first[loop + 1]; i++) {
@@ -95,12 +95,10 @@ static LitheStatus orient(LitheCtx *ctx, LthLoops *l) {
                  "loop %d of the polygon has %d different corners; expected "
                  "at least three",
                  k + 1, n);
-    double area2 = loop_area2(l, k);
-    if (!isfinite(area2) || area2 == 0)
-      LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-                 "loop %d of the polygon has no area; expected corners in "
-                 "their order around it, not all on one line",
-                 k + 1);
+    double area2 = lth_loop_area2(l, k);
+    if (!isfinite(area2))
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT, "loop %d of the polygon is too large for an area", k + 1);
+    if (area2 == 0) continue; // lth_loops_check() tells why
     if ((area2 > 0) != (k == 0)) reverse(l, k);
     l->area += (k == 0 ? 0.5 : -0.5) * fabs(area2);
   }

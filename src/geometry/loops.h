@@ -30,3 +30,6 @@ double lth_loops_distance(const LthLoops *loops, const double x[2], double neare
 
 /// Area inside a box [m^2]: 0 or all of the box exactly where no edge passes through it, else to rounding.
 double lth_loops_area(const LthLoops *loops, const double min[2], const double max[2]);
+
+/// Twice the area that a loop goes round counter-clockwise.
+double lth_loop_area2(const LthLoops *loops, LitheIndex loop);

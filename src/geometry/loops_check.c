@@ -55,6 +55,18 @@ static LitheIndex loop_of(const LthLoops *l, LitheIndex point) {
   return k;
 }
 
+/// About where two edges meet: where their lines cross, or else an end of one that lies on the other.
+static void meeting_place(const double *p, const double *q, const double *r, const double *s,
+                          double x[2]) {
+  double d[2] = {q[0] - p[0], q[1] - p[1]}, e[2] = {s[0] - r[0], s[1] - r[1]};
+  double below = d[0] * e[1] - d[1] * e[0], above = (r[0] - p[0]) * e[1] - (r[1] - p[1]) * e[0];
+  bool is_in = boxes_overlap(r, r, p, q);
+  for (int a = 0; a < 2; a++) x[a] = is_in ? r[a] : s[a];
+  if (below == 0) return;
+  double t = fmin(fmax(above / below, 0), 1);
+  for (int a = 0; a < 2; a++) x[a] = p[a] + t * d[a];
+}
+
 static LitheStatus check_crossings(LitheCtx *ctx, const LthLoops *l) {
   for (LitheIndex i = 0; i < l->n_points; i++) {
     const double *p = corner(l, i), *q = corner(l, l->next[i]);
@@ -64,10 +76,13 @@ static LitheStatus check_crossings(LitheCtx *ctx, const LthLoops *l) {
     lth_bvh_visit(l->bvh, centre, hypot(q[0] - p[0], q[1] - p[1]) * (0.5 + 1e-9), visit, &c);
     if (c.other < 0) continue;
     const double *r = corner(l, c.other);
+    double x[2];
+    meeting_place(p, q, r, corner(l, l->next[c.other]), x);
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-               "the polygon touches or crosses itself: an edge of loop %d from (%g, %g) on meets "
-               "one of loop %d from (%g, %g) on; expected loops without common points",
-               loop_of(l, i) + 1, p[0], p[1], loop_of(l, c.other) + 1, r[0], r[1]);
+               "the polygon touches or crosses itself at about (%g, %g): an edge of loop %d from "
+               "(%g, %g) on meets one of loop %d from (%g, %g) on; expected loops without common "
+               "points",
+               x[0], x[1], loop_of(l, i) + 1, p[0], p[1], loop_of(l, c.other) + 1, r[0], r[1]);
   }
   return LITHE_OK;
 }
@@ -119,10 +134,29 @@ static LitheStatus check_holes(LitheCtx *ctx, const LthLoops *l) {
   return status;
 }
 
+static bool is_straight(const LthLoops *l, LitheIndex loop) {
+  const double *p = corner(l, l->first[loop]), *q = corner(l, l->first[loop] + 1);
+  for (LitheIndex i = l->first[loop] + 2; i < l->first[loop + 1]; i++)
+    if (lth_orient2d(p, q, corner(l, i)) != 0) return false;
+  return true;
+}
+
+/// Loops without area lie on a line, or cross themselves.
+static LitheStatus check_areas(LitheCtx *ctx, const LthLoops *l) {
+  for (LitheIndex k = 0; k < l->n_loops; k++)
+    if (lth_loop_area2(l, k) == 0 && is_straight(l, k))
+      LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+                 "loop %d of the polygon has no area; expected corners in their order around it, "
+                 "not all on one line",
+                 k + 1);
+  return LITHE_OK;
+}
+
 LitheStatus lth_loops_check(LitheCtx *ctx, const LthLoops *l) {
   if (l->n_loops > LTH_LOOPS_MAX)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "the polygon has %d loops; expected at most %d, or an image",
                l->n_loops, LTH_LOOPS_MAX);
+  LITHE_TRY(check_areas(ctx, l));
   LITHE_TRY(check_crossings(ctx, l));
   return check_holes(ctx, l);
 }

@@ -89,7 +89,8 @@ double lth_shape_value(const LthShape *s, const double x[3]) {
   case LTH_SHAPE_MESH:
     return s->bvh ? lth_bvh_signed_distance(s->bvh, x, NULL) : mesh_value_plain(s->surface, x);
   case LTH_SHAPE_IMPLICIT:
-    return fmax(lth_value_at(&s->value, x, 0), box_value(s->box, s->box + 3, x));
+    value = lth_value_at(&s->value, x, 0);
+    return isnan(value) ? INFINITY : fmax(value, box_value(s->box, s->box + 3, x));
   case LTH_SHAPE_UNION:
     value = INFINITY;
     for (LitheIndex i = 0; i < s->n_children; i++)

@@ -124,6 +124,11 @@ LitheStatus lth_nifti_parse(LitheCtx *ctx, const char *name, const char *data, s
     LITHE_TRY(lth_inflate(ctx, name, data, size, head, HEADER_BYTES, &got));
     h.coding = LTH_CODING_ZLIB;
   }
+  const char *ending = strrchr(name, '.');
+  bool is_plain = got >= HEADER_BYTES && memcmp(data + 344, "n", 1) == 0;
+  if (!is_packed && !is_plain && ending && strcmp(ending, ".gz") == 0)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: not compressed by gzip, which its name says; rename it or compress it", name);
   if (got < HEADER_BYTES)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: too short for a NIfTI-1 header, got %zu bytes; expected at least %d", name, got,

@@ -79,6 +79,11 @@ LitheStatus lth_inflate(LitheCtx *ctx, const char *name, const char *data, size_
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: its compressed data are damaged near byte %zu of them, after %zu bytes", name,
                taken, *got);
+  if (*got < want && code != Z_STREAM_END)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: its compressed data end too early, after %zu bytes of what they hold: the file "
+               "is cut short; get it anew",
+               name, *got);
   return LITHE_OK;
 }
 

@@ -143,7 +143,7 @@ static LitheStatus write_volumes(LitheCtx *ctx, const LthFields *f, const LthBod
     char *stem = NULL, *path = NULL;
     LITHE_TRY(lth_output_stem(ctx, body, lth_grid_fields_volume_name(what), &stem));
     LitheStatus status = lth_path_numbered(ctx, f->folder, stem, f->n_frames, "nii.gz", &path);
-    if (status == LITHE_OK) status = lth_grid_fields_volume(ctx, body, what, path);
+    if (status == LITHE_OK) status = lth_grid_fields_volume(ctx, f->grid, body, what, path);
     lth_free(ctx, stem);
     lth_free(ctx, path);
     LITHE_TRY(status);
@@ -154,7 +154,7 @@ static LitheStatus write_volumes(LitheCtx *ctx, const LthFields *f, const LthBod
 static LitheStatus frame_of_grid(LitheCtx *ctx, LthFields *f, const LthBody *body) {
   bool any_vtk = wants(body, "vti") || wants(body, "vtu");
   if (!any_vtk && !wants(body, "nii.gz")) return LITHE_OK;
-  if (any_vtk) lth_grid_fields_sample(ctx, f->grid, body);
+  lth_grid_fields_sample(ctx, f->grid, body);
   LITHE_TRY(write_grid(ctx, f, body, "vti"));
   LITHE_TRY(write_grid(ctx, f, body, "vtu"));
   LITHE_TRY(write_volumes(ctx, f, body));

@@ -51,6 +51,7 @@ LitheStatus lth_grid_fields_open(LitheCtx *ctx, const LthBody *body, LthGridFiel
   LTH_NEW(ctx, f->stress, 6 * (LitheCount)f->n);
   LTH_NEW(ctx, f->von_mises, f->n);
   LTH_NEW(ctx, f->label, f->n);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < f->n; i++) {
     double x[3];
     lth_body_cell_center(body, f->disc_cell[i], x);
@@ -74,13 +75,14 @@ void lth_grid_fields_close(LitheCtx *ctx, LthGridFields **fields) {
 void lth_grid_fields_sample(LitheCtx *ctx, LthGridFields *f, const LthBody *body) {
   const double *u = lth_body_displacement(body), *v = lth_body_velocity(body),
                *x = lth_body_position(body);
+  bool moves = body->scene->time_kind == LTH_TIME_DYNAMIC;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < f->n; i++) {
     LitheIndex c = f->disc_cell[i];
     double at[3];
     lth_body_cell_center(body, c, at);
     lth_disc_sample(body->disc, c, u, at, f->displacement + 3 * (LitheCount)i);
-    lth_disc_sample(body->disc, c, v, at, f->velocity + 3 * (LitheCount)i);
+    if (moves) lth_disc_sample(body->disc, c, v, at, f->velocity + 3 * (LitheCount)i);
     body->disc->table->stress(body->disc, c, x, at, f->stress + 6 * (LitheCount)i);
     f->von_mises[i] = lth_von_mises(f->stress + 6 * (LitheCount)i);
   }
@@ -151,57 +153,69 @@ const char *lth_grid_fields_volume_name(int what) {
   return names[what];
 }
 
-/// A cell of the body that a place lies in, -1 where there is no material.
-static LitheIndex cell_at(const LthBody *body, const double x[3]) {
-  const LthStaggered *s = lth_staggered_of(body->disc);
+#define SAME 1e-6 ///< of a cell: a voxel's middle is that of the cell
+
+/// A cell with material that a place lies in, -1 where there is none; *is_middle: at its middle.
+static LitheIndex cell_at(const LthGridFields *f, const LthStaggered *s, const double x[3],
+                          bool *is_middle) {
   LitheIndex at[3] = {0};
+  *is_middle = true;
   for (int a = 0; a < s->dim; a++) {
-    double place = floor((x[a] - s->grid->origin[a]) / s->grid->h[a]);
-    if (!(place >= 0 && place < s->grid->n[a])) return -1;
-    at[a] = (LitheIndex)place;
+    double place = (x[a] - s->grid->origin[a]) / s->grid->h[a], low = floor(place);
+    if (!(low >= 0 && low < s->grid->n[a])) return -1;
+    *is_middle = *is_middle && fabs(place - low - 0.5) < SAME;
+    at[a] = (LitheIndex)low;
   }
   LitheCount slot = lth_sparse_grid_slot(s->grid, at[0], at[1], at[2]);
-  LitheIndex cell = slot < 0 ? -1 : s->cell[slot];
-  return cell >= 0 && lth_grid_cell_fraction(body, cell) > 0 ? cell : -1;
+  return slot < 0 ? -1 : f->cell[slot];
 }
 
-static void sample_voxel(const LthBody *body, int what, const double *u, const double *position,
-                         const double x[3], double value[6]) {
-  LitheIndex cell = cell_at(body, x);
+/// Components of a field at x, in the order of our tensors; scans whose voxels are the grid's cells have them already.
+static void sample_voxel(const LthGridFields *f, const LthBody *body, int what, const double x[3],
+                         double value[6]) {
+  const double *u = lth_body_displacement(body);
+  bool is_middle;
+  LitheIndex i = cell_at(f, lth_staggered_of(body->disc), x, &is_middle);
   for (int k = 0; k < 6; k++) value[k] = 0;
-  if (cell < 0) return;
+  if (i < 0) return;
   if (what == 0) {
-    lth_disc_sample(body->disc, cell, u, x, value);
+    if (is_middle)
+      lth_v3_copy(f->displacement + 3 * (LitheCount)i, value);
+    else
+      lth_disc_sample(body->disc, f->disc_cell[i], u, x, value);
     return;
   }
-  body->disc->table->stress(body->disc, cell, position, x, value);
+  if (is_middle)
+    for (int k = 0; k < 6; k++) value[k] = f->stress[6 * (LitheCount)i + k];
+  else
+    body->disc->table->stress(body->disc, f->disc_cell[i], lth_body_position(body), x, value);
   if (what == 2) value[0] = lth_von_mises(value);
 }
 
-static void sample_voxels(LitheCtx *ctx, const LthBody *body, const LthVolume *v, int what,
-                          int components, float *values) {
-  const double *u = lth_body_displacement(body), *position = lth_body_position(body),
-               *A = v->to_world;
+static void sample_voxels(LitheCtx *ctx, const LthGridFields *f, const LthBody *body,
+                          const LthVolume *v, int what, int components, float *values) {
+  const double *A = v->to_world;
   LitheCount n = lth_volume_size(v);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+#pragma omp parallel for schedule(dynamic, 1) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < v->n[2]; k++)
     for (LitheIndex j = 0; j < v->n[1]; j++)
       for (LitheIndex i = 0; i < v->n[0]; i++) {
         double x[3], value[6];
         for (int a = 0; a < 3; a++)
           x[a] = A[4 * a] * i + A[4 * a + 1] * j + A[4 * a + 2] * k + A[4 * a + 3];
-        sample_voxel(body, what, u, position, x, value);
+        sample_voxel(f, body, what, x, value);
         for (int c = 0; c < components; c++)
           values[c * n + lth_volume_index(v, i, j, k)] = (float)value[c];
       }
 }
 
-LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthBody *body, int what, const char *path) {
+LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthGridFields *f, const LthBody *body,
+                                   int what, const char *path) {
   const LthVolume *v = body->def->shape.image->volume;
   const int components = what == 0 ? 3 : what == 1 ? 6 : 1;
   float *values = NULL;
   LTH_NEW(ctx, values, components * lth_volume_size(v));
-  sample_voxels(ctx, body, v, what, components, values);
+  sample_voxels(ctx, f, body, v, what, components, values);
   LthNiftiField field = {lth_grid_fields_volume_name(what), components, values};
   LitheStatus status = lth_nifti_write(ctx, path, v->n, v->of_file, &field);
   lth_free(ctx, values);

@@ -17,9 +17,10 @@ LitheStatus lth_grid_fields_image(LitheCtx *ctx, const LthGridFields *fields, co
 LitheStatus lth_grid_fields_voxels(LitheCtx *ctx, LthGridFields *fields, const LthBody *body,
                                    const char *path);
 
-/// The present state at the voxels of the scan that the body was made from, 0 outside of it. `what`: 0 displacement in
+/// The sampled state at the voxels of the scan that the body was made from, 0 outside of it. `what`: 0 displacement in
 /// the scene's axes, 1 stress, 2 von Mises stress.
-LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthBody *body, int what, const char *path);
+LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthGridFields *fields, const LthBody *body,
+                                   int what, const char *path);
 
 #define LTH_GRID_VOLUMES 3
 const char *lth_grid_fields_volume_name(int what);

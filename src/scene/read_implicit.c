@@ -8,6 +8,7 @@
 
 /// Side of the box of an implicit shape that has none: as good as all of space.
 #define UNBOUNDED 1e30
+#define PLACES 17 ///< along each axis of a box at which an expression has to be a number
 
 /// An expression that is evaluated in the axes from before `place`.
 typedef struct PlacedValue {
@@ -121,11 +122,37 @@ static bool neighbour_box(const LthShape *s, double box[6]) {
   return is_found;
 }
 
+/// The first place of a lattice over the shape's box at which the expression is no number.
+static bool find_gap(const LthReader *r, const LthShape *shape, double x[3]) {
+  int deep = r->scene->dimension == 3 ? PLACES : 1;
+  for (int s = 0; s < PLACES * PLACES * deep; s++) {
+    int place[3] = {s % PLACES, s / PLACES % PLACES, s / (PLACES * PLACES)};
+    for (int a = 0; a < 3; a++) {
+      const double *box = shape->box + a;
+      x[a] = a < r->scene->dimension ? box[0] + (box[3] - box[0]) * (place[a] + 0.5) / PLACES : 0;
+    }
+    if (isnan(lth_value_at(&shape->value, x, 0))) return true;
+  }
+  return false;
+}
+
+static void check_numbers(LthReader *r, const LthNode *node, const LthShape *shape) {
+  double x[3];
+  if (!is_bounded(shape) || !find_gap(r, shape, x)) return;
+  lth_report(r->report, lth_node_find(node, "implicit"),
+             "not a number everywhere in its box, got none at (%g, %g, %g); expected one, as of "
+             "`x > 0 ? log(x) : 1` for log(x)",
+             x[0], x[1], x[2]);
+}
+
 void lth_bound_shape(LthReader *r, const LthNode *node, LthShape *shape, const double *search) {
-  if (shape->kind == LTH_SHAPE_IMPLICIT && !is_bounded(shape)) {
-    if (search) {
+  if (shape->kind == LTH_SHAPE_IMPLICIT) {
+    if (is_bounded(shape)) {
+      check_numbers(r, node, shape);
+    } else if (search) {
       memcpy(shape->box, search, sizeof shape->box);
       lth_open_box(r, shape->box, shape->box + 3);
+      check_numbers(r, node, shape);
     } else {
       lth_report(r->report, lth_node_find(node, "implicit"),
                  "no box to look for the shape in, got an expression alone; expected {value, min, "

@@ -4,6 +4,8 @@
 #include "scratch_folder.h"
 
 #include "base/tensor.h"
+#include "io/file.h"
+#include "io/nifti_write.h"
 #include "io/volume_file.h"
 
 #include <string.h>
@@ -233,6 +235,43 @@ static void detached_data_are_found_beside_the_header(void **state) {
   lithe_ctx_destroy(&ctx);
 }
 
+/// More than one group of pieces, the last one not full; the same bytes by any number of threads.
+static void what_is_written_is_read_again(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  const LitheIndex n[3] = {171, 131, 101};
+  const double to_world[12] = {0.001, 0, 0, 0.5, 0, 0.002, 0, -0.25, 0, 0, 0.001, 0};
+  LitheCount count = (LitheCount)n[0] * n[1] * n[2];
+  float *values = malloc((size_t)count * sizeof *values);
+  uint64_t seed = 7;
+  for (LitheCount i = 0; i < count; i++)
+    values[i] = i % 3 ? 0 : (float)test_random(&seed); // most of a scan is nothing
+  LthNiftiField field = {"pressure", 1, values};
+  char *bytes[2], path[2][300];
+  size_t size[2];
+  for (int k = 0; k < 2; k++) {
+    LthVolume *v = NULL;
+    snprintf(path[k], sizeof path[k], "%s/p%d.nii.gz", folder, k);
+    lth_set_threads(ctx, k ? 3 : 1);
+    CHECK_OK(ctx, lth_nifti_write(ctx, path[k], n, to_world, &field));
+    CHECK_OK(ctx, lth_volume_read(ctx, path[k], &v));
+    assert_memory_equal(v->values, values, (size_t)count * sizeof *values);
+    lth_volume_destroy(ctx, &v);
+    CHECK_OK(ctx, lth_file_read(ctx, path[k], &bytes[k], &size[k]));
+  }
+  assert_int_equal(size[0], size[1]);
+  assert_memory_equal(bytes[0], bytes[1], size[0]);
+  gzFile again = gzopen(path[0], "rb"); // the whole stream with its checksum
+  char part[4096];
+  LitheCount there = 0;
+  for (int got; (got = gzread(again, part, sizeof part)) > 0;) there += got;
+  assert_int_equal(gzclose_r(again), Z_OK);
+  assert_int_equal(there, 352 + 4 * count);
+  for (int k = 0; k < 2; k++) lth_free(ctx, bytes[k]);
+  free(values);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void expect_error(LitheCtx *ctx, const char *format, const char *data, size_t n,
                          const char *says) {
   LthVolume *v = NULL;
@@ -299,6 +338,7 @@ int main(void) {
       cmocka_unit_test(nifti_places_by_sform_then_qform_then_sizes),
       cmocka_unit_test(compressed_text_and_raw_data_are_the_same),
       cmocka_unit_test(detached_data_are_found_beside_the_header),
+      cmocka_unit_test(what_is_written_is_read_again),
       cmocka_unit_test(broken_headers_and_short_data_are_told),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
