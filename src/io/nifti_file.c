@@ -125,7 +125,7 @@ LitheStatus lth_nifti_parse(LitheCtx *ctx, const char *name, const char *data, s
     h.coding = LTH_CODING_ZLIB;
   }
   const char *ending = strrchr(name, '.');
-  bool is_plain = got >= HEADER_BYTES && memcmp(data + 344, "n", 1) == 0;
+  bool is_plain = size >= HEADER_BYTES && data[344] == 'n';
   if (!is_packed && !is_plain && ending && strcmp(ending, ".gz") == 0)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: not compressed by gzip, which its name says; rename it or compress it", name);

@@ -246,8 +246,9 @@ static void names_what_is_wrong_with_a_polygon(void **state) {
   EXPECT_PLANE_ERROR("bodies.0.shape={polygon: [[0, 0], [1, 0], [1, 1, 1]]}",
                      "bodies.0.shape.polygon.2: no corner, got a list of 3; expected [x, y]");
   EXPECT_PLANE_ERROR("bodies.0.shape={polygon: [[0, 0], [1, 1], [1, 0], [0, 2]]}",
-                     "bodies.0.shape.polygon: the polygon touches or crosses itself: an edge of "
-                     "loop 1 from (0, 0) on meets one of loop 1 from (1, 0) on; expected loops "
+                     "bodies.0.shape.polygon: the polygon touches or crosses itself at about "
+                     "(0.666667, 0.666667): an edge of loop 1 from (0, 0) on meets one of loop 1 "
+                     "from (1, 0) on; expected loops "
                      "without common points");
   EXPECT_PLANE_ERROR("bodies.0.shape={annulus: {center: [0, 0], inner: 2, outer: 1}}",
                      "bodies.0.shape.annulus.inner: not inside the outer radius, got 2 and 1; "
