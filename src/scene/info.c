@@ -58,7 +58,8 @@ static void add_build(Lines *lines) {
 }
 
 static void add_engines(Lines *lines) {
-  add(lines, "methods     dg (discontinuous Galerkin on polyhedra), cg (conforming elements)\n");
+  add(lines, "methods     dg (discontinuous Galerkin on polyhedra), cg (conforming elements),\n"
+             "            staggered (variational finite differences on a grid)\n");
   add(lines, "engines    ");
   for (int i = 0; i < lth_engine_count(); i++) add(lines, " %s,", lth_engine_at(i)->name);
   add(lines, " pcg, multigrid\n");
