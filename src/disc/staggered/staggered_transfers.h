@@ -62,6 +62,16 @@ static void child_of(const LthSparseGrid *coarse, LitheIndex block, int child, L
   }
 }
 
+/// Fetch values of the same part of the next coarse block.
+ALWAYS void fetch_child(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
+                        int child, LthFastVector v) {
+  LitheIndex place[3];
+  int offset[3];
+  child_of(coarse->grid, block_later(coarse->grid, block, 1), child, place, offset);
+  const LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
+  if (to >= 0) fetch_all(block_of(v, to), BLOCK * (LitheCount)sizeof(float));
+}
+
 /// Weighted pair of rows: fine row j from coarse rows around it, along (`own`) or across the component.
 ALWAYS void blend(bool own, int j, const float *restrict below, const float *restrict here,
                   const float *restrict above, float *restrict out) {
@@ -139,6 +149,7 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
     LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
+    if (add) fetch_child(fine, coarse, block, child, fine->x);
     if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
     const float *scale = scale_of(fine, to), same = fine->same_scale[to];
     for (int a = 0; a < DIM; a++) {
@@ -208,6 +219,7 @@ static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, Li
     LitheIndex place[3];
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
+    fetch_child(fine, coarse, block, child, fine->y);
     if (!find_near_place(fine->grid, place, fine->y, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
     Rows_f rows;
