@@ -50,9 +50,7 @@ typedef struct Leg {
 static bool has_follower(const LthSystem *system) {
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     for (LitheIndex i = 0; i < system->bodies[b].n_loads; i++)
-      if (system->bodies[b].loads[i].kind == LTH_LOAD_PRESSURE &&
-          system->bodies[b].loads[i].follower)
-        return true;
+      if (lth_load_follows(&system->bodies[b].loads[i])) return true;
   return false;
 }
 

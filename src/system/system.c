@@ -10,7 +10,7 @@ static bool never_changes(const LthLoad *load) {
     if (load->value[i].eval) return false;
   for (int i = 0; i < 9; i++)
     if (load->stress[i].eval) return false;
-  return !(load->kind == LTH_LOAD_PRESSURE && load->follower);
+  return !lth_load_follows(load);
 }
 
 static LitheStatus add_loads(LitheCtx *ctx, const LthSystem *s, bool fixed, double t,
@@ -82,7 +82,7 @@ static bool find_nonlinear(const LthSystem *s) {
   bool found = s->warped;
   for (LitheIndex b = 0; b < s->n_bodies; b++)
     for (LitheIndex i = 0; i < s->bodies[b].n_loads; i++)
-      found |= s->bodies[b].loads[i].kind == LTH_LOAD_PRESSURE && s->bodies[b].loads[i].follower;
+      found |= lth_load_follows(&s->bodies[b].loads[i]);
   for (LitheIndex c = 0; c < s->n_couplings; c++) found |= s->couplings[c].is_nonlinear;
   return found;
 }

@@ -288,6 +288,76 @@ def test_smooth():
                near(a, -100e6, 0.07), (a, b))
 
 
+QUARTER = """lithe: 1
+dimension: 2
+bodies:
+  - name: quarter
+    shape: SHAPE
+    material: {model: linear, young_modulus: 1, poisson_ratio: 0.3}
+    method: {kind: staggered, cells: 64, fractions: smooth}
+    constraints:
+      - {where: {plane: {point: [0, 0], normal: [-1, 0]}}, displacement: [0, null]}
+      - {where: {plane: {point: [0, 0], normal: [0, -1]}}, displacement: [null, 0]}
+    loads: [LOAD]
+exact: {displacement: ["UX", "UY"]}
+output: {every: last}
+time: {kind: static}
+"""
+RADIAL = "{intersection: [{annulus: {center: [0, 0], inner: 0.5, outer: 1}}, {box: {min: [0, 0], max: [1, 1]}}]}"
+HOLE = "{difference: [{box: {min: [0, 0], max: [2, 2]}}, {disk: {center: [0, 0], radius: 0.5}}]}"
+
+
+def fill(text):
+    """Polynomials of angles in those of places."""
+    for name, value in (("C2", "((x^2-y^2)/R^2)"), ("S2", "(2*x*y/R^2)"), ("C4", "(8*(x/R)^4-8*(x/R)^2+1)"),
+                        ("S4", "(4*x*y*(x^2-y^2)/R^4)"), ("C3", "(4*(x/R)^3-3*x/R)"), ("S3", "(3*y/R-4*(y/R)^3)"),
+                        ("R", "sqrt(x^2+y^2)")):
+        text = text.replace(name, value)
+    return text
+
+
+def quarters():
+    """Lame's ring, a ring that rotates, Kirsch's plate: plane strain, E = 1, nu = 0.3."""
+    young, nu, a2 = 1 / 0.91, 3 / 7, 0.25
+    lame = "1.3*%g/%g*(0.4 + 1/R^2)" % (a2, 1 - a2)
+    spin = "%g*((3+N)*(1-N)/8*%g + (3+N)*(1+N)/8*%g/R^2 - (1-N^2)/8*R^2)" % (1 / young, 1 + a2, a2)
+    spin = spin.replace("N", "%.17g" % nu)
+    stress = ["1 - 0.25/R^2*(1.5*C2+C4) + 1.5*0.0625/R^4*C4", "-0.25/R^2*(0.5*S2+S4) + 1.5*0.0625/R^4*S4",
+              "-0.25/R^2*(0.5*C2-C4) - 1.5*0.0625/R^4*C4"]
+    ux = "0.1625*(5.6*x + 1/R*(2.8*x/R + C3) - 0.25/R^3*C3)"
+    uy = "0.1625*(-2.4*y + 1/R*(-0.8*y/R + S3) - 0.25/R^3*S3)"
+    yield ("a_ring_under_pressure", RADIAL, "{where: {disk: {center: [0, 0], radius: 0.75}}, pressure: 1}",
+           "x*(%s)" % lame, "y*(%s)" % lame, (32, 64, 128))
+    yield "a_ring_that_rotates", RADIAL, "{body_force: [x, y]}", "x*(%s)" % spin, "y*(%s)" % spin, (32, 64, 128)
+    yield ("a_plate_with_a_hole", HOLE, "{where: {or: [{normal: [1, 0]}, {normal: [0, 1]}]}, stress: [[\"%s\", \"%s\"], "
+           "[\"%s\", \"%s\"]]}" % (stress[0], stress[1], stress[1], stress[2]), ux, uy, (64, 128))
+
+
+def test_free_boundaries():
+    """Second order in the mean, and nearly so at its worst place, where boundaries are free and rollers meet them."""
+    with folder() as d:
+        for name, shape, load, ux, uy, cells in quarters():
+            text = QUARTER.replace("SHAPE", shape).replace("LOAD", load).replace("UX", ux).replace("UY", uy)
+            write(d, "q.yaml", fill(text) if "hole" in name else text.replace("R^2", "(x^2+y^2)"))
+            errors = [result(d, "q.yaml", "bodies.0.method.cells=%d" % n).get("error") for n in cells]
+            orders = {k: [math.log2(c[k] / f[k]) for c, f in zip(errors, errors[1:])] if all(errors) else [0]
+                      for k in ("l1", "linf")}
+            # the hole is of a quarter of the plate's size: its curvature is less resolved
+            expect(name + "_converges", min(orders["l1"]) > 1.7 and min(orders["linf"]) > 1.6, (orders, errors))
+
+
+def test_turned():
+    """A turn of two sides: nothing to the corotated model, growth to the linear one."""
+    scene = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes", "turned-square.yaml")
+    small = ("bodies.0.method.cells=12", "output.fields=[none]")
+    with folder() as d:
+        r = result(d, scene, *small)
+        expect("a_square_turns_and_nothing_else", "failed" not in r and r["error"]["linf"] < 1e-6 * 0.8, r)
+        r = result(d, scene, *small, "bodies.0.material.model=linear")
+        # where it belongs: 0.4 (cos 45 degrees - 1) = -0.117; the free side goes outward instead
+        expect("under_the_linear_model_it_grows", "failed" not in r and r["probes"]["side"]["displacement"][0] > 0.02, r)
+
+
 def nifti(n, voxels, affine):
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
@@ -404,6 +474,8 @@ test_bunny()
 test_thesis()
 test_shell()
 test_smooth()
+test_free_boundaries()
+test_turned()
 test_scan()
 test_bad_input()
 done()

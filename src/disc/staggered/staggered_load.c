@@ -1,8 +1,7 @@
 /// External forces: body forces at the unknowns, and boundary loads as the discrete divergence of a stress field near
 /// the boundary (docs/theory/staggered.md, "Tractions"). Dolny 2025, equation (4.20), derived anew there.
+#include "disc/staggered/staggered_fringe.h"
 #include "disc/staggered/staggered_priv.h"
-
-#include "geometry/shape_foot.h"
 
 typedef struct Loading {
   const LthLoad *load;
@@ -13,13 +12,6 @@ typedef struct Loading {
   double spread[3];    ///< force per weight that is added instead of the load's, where `spreads`
   bool spreads;
 } Loading;
-
-/// An unknown near the boundary.
-typedef struct Rim {
-  int a;
-  double slope[3]; ///< -grad_h V as its row sees it: along the outward normal [1/m]
-  double point[3], normal[3];
-} Rim;
 
 static void visit_body_force(const LthStaggered *s, LitheIndex func, const LitheCount *slot,
                              const int stride[3], void *self) {
@@ -33,61 +25,9 @@ static void visit_body_force(const LthStaggered *s, LitheIndex func, const Lithe
   }
 }
 
-/// Everything within one cell is full.
-static bool is_inside(const LthStaggered *s, const LitheCount *slot, const int stride[3]) {
-  int deep = s->dim == 3;
-  for (int z = -deep; z <= deep; z++)
-    for (int y = -1; y <= 1; y++)
-      for (int x = -1; x <= 1; x++) {
-        LitheCount cell = slot[x * stride[0] + y * stride[1] + z * stride[2]];
-        if (cell < 0 || s->fractions->cell[cell] != LTH_CELL_FULL) return false;
-      }
-  return true;
-}
-
-static double sample_fraction(const LthStaggered *s, const LitheCount *slot, const int stride[3],
-                              int e) {
-  if (*slot < 0 || !(s->level.shear[e][*slot] > 0)) return 0;
-  return lth_staggered_edge_fraction(s, slot, stride, e);
-}
-
-/// Differences of the fractions of the samples that the row of component a reads. Samples without stiffness count
-/// as empty: loads act only where something resists them.
-static bool find_slope(const LthStaggered *s, const LitheCount *slot, const int stride[3], int a,
-                       double slope[3]) {
-  const double *h = s->grid->h;
-  LitheCount low = slot[-stride[a]];
-  for (int b = 0; b < 3; b++) slope[b] = 0;
-  slope[a] = ((low < 0 ? 0 : s->volume[low]) - s->volume[*slot]) / h[a];
-  for (int b = 0; b < s->dim; b++)
-    if (b != a)
-      slope[b] = (sample_fraction(s, slot, stride, 3 - a - b) -
-                  sample_fraction(s, slot + stride[b], stride, 3 - a - b)) /
-                 h[b];
-  return slope[0] != 0 || slope[1] != 0 || slope[2] != 0;
-}
-
-/// The boundary nearest to a place, by the shape or else by the fractions.
-static void find_boundary(const LthStaggered *s, const double at[3], Rim *rim) {
-  const double *h = s->grid->h;
-  LthFoot foot;
-  double scale = fmin(h[0], s->dim == 3 ? fmin(h[1], h[2]) : h[1]);
-  if (s->shape && lth_shape_foot(s->shape, at, scale, &foot)) {
-    if (s->dim == 2) foot.normal[2] = 0, foot.point[2] = 0;
-    if (lth_v3_normalize(foot.normal) > 0.5) {
-      lth_v3_copy(foot.point, rim->point);
-      lth_v3_copy(foot.normal, rim->normal);
-      return;
-    }
-  }
-  lth_v3_copy(at, rim->point);
-  lth_v3_copy(rim->slope, rim->normal);
-  lth_v3_normalize(rim->normal);
-}
-
 /// cof F of the body where it is nearest to the unknown.
 static void cofactor_at(const LthStaggered *s, const LitheCount *slot, const int stride[3],
-                        const Rim *rim, const double *x, double C[9]) {
+                        const LthFringe *rim, const double *x, double C[9]) {
   double F[9];
   LitheIndex cell = s->cell[*slot];
   if (cell < 0 && slot[-stride[rim->a]] >= 0) cell = s->cell[slot[-stride[rim->a]]];
@@ -98,7 +38,7 @@ static void cofactor_at(const LthStaggered *s, const LitheCount *slot, const int
   lth_m3_cofactor(F, C);
 }
 
-static void traction_at(const Loading *l, const Rim *rim, double traction[3]) {
+static void traction_at(const Loading *l, const LthFringe *rim, double traction[3]) {
   const LthLoad *load = l->load;
   for (int b = 0; b < 3; b++)
     traction[b] = l->factor * lth_value_at(&load->value[b], rim->point, l->t);
@@ -106,7 +46,7 @@ static void traction_at(const Loading *l, const Rim *rim, double traction[3]) {
 
 /// Row a of a stress field P near the boundary with P N = traction.
 static void stress_row(const LthStaggered *s, const Loading *l, const LitheCount *slot,
-                       const int stride[3], const Rim *rim, double row[3]) {
+                       const int stride[3], const LthFringe *rim, double row[3]) {
   const LthLoad *load = l->load;
   int a = rim->a;
   if (load->kind == LTH_LOAD_STRESS) {
@@ -126,7 +66,7 @@ static void stress_row(const LthStaggered *s, const Loading *l, const LitheCount
 
 /// The force that the boundary seen by an unknown is to get: its area is along the unknown's axis.
 static void add_wanted(const LthStaggered *s, const Loading *l, const LitheCount *slot,
-                       const int stride[3], const Rim *rim, double area, double wanted[3]) {
+                       const int stride[3], const LthFringe *rim, double area, double wanted[3]) {
   const LthLoad *load = l->load;
   double C[9], t[3];
   if (load->kind == LTH_LOAD_PRESSURE && load->follower && l->x) {
@@ -141,7 +81,7 @@ static void add_wanted(const LthStaggered *s, const Loading *l, const LitheCount
 
 /// Force of the load on an unknown, counted in the sums.
 static double rim_force(const LthStaggered *s, const Loading *l, const LitheCount *slot,
-                        const int stride[3], const Rim *rim, LthBoundarySum *sum) {
+                        const int stride[3], const LthFringe *rim, LthBoundarySum *sum) {
   int a = rim->a;
   double volume = lth_sparse_grid_cell_volume(s->grid), row[3];
   double seen = fmax(0, volume * lth_v3_dot(rim->normal, rim->slope));
@@ -156,7 +96,7 @@ static double rim_force(const LthStaggered *s, const Loading *l, const LitheCoun
   return force;
 }
 
-static bool is_selected(const Loading *l, const Rim *rim) {
+static bool is_selected(const Loading *l, const LthFringe *rim) {
   return !l->load->selects || l->load->selects(l->load->select_self, rim->point, rim->normal);
 }
 
@@ -184,7 +124,8 @@ static double hanging_force(const LthStaggered *s, const Loading *l, const Lithe
     for (int k = 0; k < 2 && b != a; k++) {
       const LitheCount *sample = slot + (k ? stride[b] : 0);
       if (!hangs(s, sample, stride, a, b)) continue;
-      Rim rim = {.a = a};
+      if (lth_fringe_is_on_roller(s, sample, stride, a, b)) continue; // a side of its own
+      LthFringe rim = {.a = a};
       LitheIndex cell[3];
       double offset[3] = {0.5, 0.5, 0.5};
       offset[a] = offset[b] = 0;
@@ -194,7 +135,7 @@ static double hanging_force(const LthStaggered *s, const Loading *l, const Lithe
       for (int c = 0; c < 3; c++)
         at[c] += 0.01 * (here[c] - at[c]); // at a corner: the unknown's own side
       rim.slope[b] = k ? 1 : -1;
-      find_boundary(s, at, &rim);
+      lth_fringe_nearest(s, at, &rim);
       row[b] = 0;
       if (is_selected(l, &rim)) stress_row(s, l, slot, stride, &rim, row);
       force += (k ? 1 : -1) * lth_staggered_edge_fraction(s, sample, stride, 3 - a - b) *
@@ -203,27 +144,42 @@ static double hanging_force(const LthStaggered *s, const Loading *l, const Lithe
   return force * lth_sparse_grid_cell_volume(s->grid);
 }
 
+/// Force on an unknown of component a by the sides of rollers beside it.
+static double roller_force(const LthStaggered *s, const Loading *l, LitheIndex func,
+                           const LitheCount *slot, const int stride[3], int a,
+                           const double side[3]) {
+  LthBoundarySum *sum = &l->sum[*slot / s->grid->block_cells];
+  double force = 0;
+  for (int b = 0; b < s->dim; b++) {
+    if (side[b] == 0) continue;
+    LthFringe rim = lth_fringe_of_roller(s, func, a, b, side[b]);
+    if (is_selected(l, &rim)) force += rim_force(s, l, slot, stride, &rim, sum);
+  }
+  return force;
+}
+
 static void visit_boundary(const LthStaggered *s, LitheIndex func, const LitheCount *slot,
                            const int stride[3], void *self) {
   const Loading *l = self;
-  if (is_inside(s, slot, stride)) return;
+  if (lth_fringe_is_inside(s, slot, stride)) return;
   LthBoundarySum *sum = &l->sum[*slot / s->grid->block_cells];
   for (int a = 0; a < s->dim; a++) {
-    Rim rim = {.a = a};
-    double at[3], P[3] = {0}, force = 0;
+    LthFringe rim = {.a = a};
+    double at[3], side[3], P[3] = {0}, force = 0;
     if (!lth_staggered_slot_alive(s, a, *slot)) continue;
-    if (!find_slope(s, slot, stride, a, rim.slope)) continue;
+    bool falls = lth_fringe_slope(s, slot, stride, &rim, side);
     lth_staggered_place(s, func, a, at);
-    find_boundary(s, at, &rim);
-    if (is_selected(l, &rim)) {
+    if (falls) lth_fringe_boundary(s, at, &rim);
+    if (falls && is_selected(l, &rim)) {
       force = rim_force(s, l, slot, stride, &rim, sum);
       stress_row(s, l, slot, stride, &rim, P);
     }
-    if (!l->spreads) {
+    if (falls && !l->spreads) {
       double more = hanging_force(s, l, slot, stride, a, at, P);
       sum->given[a] += more;
       force += more;
     }
+    force += roller_force(s, l, func, slot, stride, a, side);
     if (l->f) l->f[3 * (LitheCount)func + a] += force;
   }
 }
@@ -278,6 +234,10 @@ LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const Lth
                                    double t, const double *x, double *f) {
   const LthStaggered *s = lth_staggered_const(disc);
   Loading l = {.load = load, .t = t, .factor = 1, .x = x, .f = f};
+  if (load->kind == LTH_LOAD_ALONG_SIDES) {
+    if (x) lth_staggered_correct_sides(s, load, t, x, f);
+    return LITHE_OK;
+  }
   if (load->kind != LTH_LOAD_BODY_FORCE) return add_boundary(ctx, s, &l);
   lth_staggered_visit(s, visit_body_force, &l);
   lth_staggered_load_beyond(s, load, t, f);
