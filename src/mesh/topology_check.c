@@ -116,8 +116,8 @@ static LitheStatus check_cell(LitheCtx *ctx, const LthTopology *t, LitheIndex ce
   if (!(lth_v3_norm(sum) <= rounding))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "topology: cell %d of area %g is open by %g m^2", cell, area,
                lth_v3_norm(sum));
-  double tolerance =
-      KEPT_SHARE * c->volume + 64 * DBL_EPSILON * sqrt(length2) * length2 + 64 * t->rounding * area;
+  double tolerance = KEPT_SHARE * c->volume + 64 * DBL_EPSILON * sqrt(length2) * length2 +
+                     (64 * t->rounding + t->off_plane) * area;
   if (!(c->volume > 0) || !(fabs(volume / 6 - c->volume) <= tolerance))
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "topology: cell %d has the volume %g, its faces hold %g", cell,
                c->volume, volume / 6);

@@ -55,10 +55,8 @@ static LitheStatus cut_cell(LitheCtx *ctx, Cutting *c, LitheIndex i) {
   memcpy(plane, w->plane, sizeof plane);
   LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, c->tag, c->splits + i, &is_clean));
   if (!is_clean) {
-    for (double wide = 100 * reach; wide < 1e5 * reach && !is_clean; wide *= 100) {
-      lth_topology_take_plane(t, plane, wide);
-      LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, c->tag, c->splits + i, &is_clean));
-    }
+    lth_topology_take_plane(t, plane, 100 * reach);
+    LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, c->tag, c->splits + i, &is_clean));
     lth_topology_take_plane(t, plane, reach);
   }
   c->cut.n_split += c->splits[i].n > 0;

@@ -12,6 +12,7 @@
 /// has none.
 #define NO_VOLUME 1e-12
 #define NO_THICKNESS 64
+#define OFF_PLANE 4
 
 static int compare_edges(const void *a, const void *b) {
   const TopologyEdge *x = a, *y = b;
@@ -231,6 +232,8 @@ LitheStatus lth_topology_connect(LitheCtx *ctx, LthTopology *t, LitheIndex cell,
   for (LitheIndex i = 0; i < w->n_pieces; i++) {
     const TopologyPiece *k = w->pieces + i;
     double thickness = fmax(NO_VOLUME * sqrt(k->area), NO_THICKNESS * t->rounding);
+    // faces that are not quite plane change volumes by so much when they are divided
+    thickness = fmax(thickness, OFF_PLANE * fmax(t->off_plane, w->reach));
     *is_clean &= k->volume > thickness * k->area;
   }
   return LITHE_OK;

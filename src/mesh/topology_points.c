@@ -29,7 +29,6 @@ void lth_topology_take_plane(LthTopology *t, const double plane[4], double reach
   LthTopologyWork *w = t->work;
   memcpy(w->plane, plane, sizeof w->plane);
   w->reach = reach;
-  t->off_plane = fmax(t->off_plane, reach);
   w->stamp++;
   lth_topology_forget_cuts(t);
 }

@@ -3,7 +3,7 @@
 
 /// A cut that does not come out is tried again with points this much farther away on the plane, so often.
 #define WIDEN 100
-#define TRIES 3
+#define TRIES 2
 
 static LitheStatus drop_fresh(LitheCtx *ctx, LthTopology *t) {
   LthTopologyWork *w = t->work;
@@ -76,6 +76,7 @@ static LitheStatus make_cap(LitheCtx *ctx, LthTopology *t, LitheIndex tag,
 static LitheStatus commit(LitheCtx *ctx, LthTopology *t, LitheIndex cell, LitheIndex tag,
                           LthSplit *split) {
   LthTopologyWork *w = t->work;
+  t->off_plane = fmax(t->off_plane, w->reach);
   LITHE_TRY(lth_topology_divide_edges(ctx, t, cell));
   LITHE_TRY(make_cells(ctx, t, cell, split));
   for (LitheIndex p = 0; p < w->n_parts; p++)
