@@ -98,7 +98,7 @@ LitheStatus lth_study_smoothness(LthStudyRun *run) {
     LITHE_TRY(lth_study_run_with(run, names[k], bend_scene, 1, sets, &look, &result));
   }
   LthTable *slope = lth_study_table(r, "slope", "Slope of the upper side along the bar", NULL);
-  slope->is_long = true;
+  slope->is_curve = true;
   lth_table_column(slope, "x", "m", 4);
   for (int k = 0; k < 2; k++) lth_table_column(slope, names[k], "degrees", 5);
   for (int i = 0; i < N_LINE; i++)
@@ -203,7 +203,7 @@ LitheStatus lth_study_contact(LthStudyRun *run) {
     LthStudyResult result;
     Depths d = {.profile = lth_study_table(r, lth_study_print(run, "profile-%s", names[k]),
                                            "Points of the lower side", NULL)};
-    d.profile->is_long = true;
+    d.profile->is_curve = true;
     lth_table_column(d.profile, "distance from the axis", "mm", 4);
     lth_table_column(d.profile, "height", "mm", 4);
     LthRunLook look = {look_at_depth, &d};

@@ -160,7 +160,7 @@ static void put_text_table(FILE *out, const LthTable *t) {
 static void put_text_item(FILE *out, const LthStudyRun *run, const LthItem *item) {
   char text[4 * LTH_SHOWN_MAX];
   if (item->kind == LTH_ITEM_TEXT) fprintf(out, "  %s\n", item->text);
-  if (item->kind == LTH_ITEM_TABLE && item->table->is_long)
+  if (item->kind == LTH_ITEM_TABLE && (item->table->is_long || item->table->is_curve))
     fprintf(out, "  table    %s/%s.csv\n", run->folder, item->table->name);
   else if (item->kind == LTH_ITEM_TABLE)
     put_text_table(out, item->table);

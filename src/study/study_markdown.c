@@ -50,7 +50,7 @@ static void put_item(FILE *out, const LthStudyRun *run, const LthItem *item) {
   char text[4 * LTH_SHOWN_MAX];
   const char *study = run->study->name;
   if (item->kind == LTH_ITEM_TEXT) fprintf(out, "%s\n\n", item->text);
-  if (item->kind == LTH_ITEM_TABLE) put_table(out, item->table);
+  if (item->kind == LTH_ITEM_TABLE && !item->table->is_curve) put_table(out, item->table);
   if (item->kind == LTH_ITEM_PLOT && item->plot->svg)
     fprintf(out, "![%s](%s/%s.svg)\n\n", item->plot->title, study, item->plot->name);
   if (item->kind == LTH_ITEM_PICTURE)

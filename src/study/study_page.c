@@ -81,7 +81,10 @@ static void put_check(FILE *out, const LthCheck *check) {
 
 static void put_item(FILE *out, const LthItem *item) {
   if (item->kind == LTH_ITEM_TEXT) put_element(out, "p", item->text);
-  if (item->kind == LTH_ITEM_TABLE) put_table(out, item->table);
+  if (item->kind == LTH_ITEM_TABLE && item->table->is_curve)
+    fprintf(out, "<p>%s: <code>%s.csv</code></p>\n", item->table->caption, item->table->name);
+  else if (item->kind == LTH_ITEM_TABLE)
+    put_table(out, item->table);
   if (item->kind == LTH_ITEM_CHECK) put_check(out, item->check);
   if (item->kind == LTH_ITEM_PICTURE) put_figure(out, item->picture->svg, item->picture->caption);
   if (item->kind != LTH_ITEM_PLOT) return;

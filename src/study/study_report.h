@@ -25,7 +25,8 @@ typedef struct LthTable {
   double *value; ///< (n_rows x n_columns)
   const char **word;
   int n_rows, cap_rows;
-  bool is_long; ///< too wide for a terminal: only its file is told there
+  bool is_long;  ///< too wide for a terminal: only its file is told there
+  bool is_curve; ///< the points of a plot: only its file is told, on pages as well
 } LthTable;
 
 int lth_table_column(LthTable *table, const char *name, const char *unit, int digits);
