@@ -119,7 +119,7 @@ static void iterate(LthStaggeredClusters *C, int threads) {
 
 static LitheStatus solve(LitheCtx *ctx, LthStaggeredClusters *C) {
   if (C->factor) return C->engine->solve(ctx, C->factor, C->b, C->x);
-  iterate(C, lth_threads(ctx));
+  iterate(C, lth_block_matrix_is_large(C->A) ? lth_threads(ctx) : 1);
   return LITHE_OK;
 }
 
