@@ -17,8 +17,7 @@ typedef enum LthLoadKind {
   LTH_LOAD_PRESSURE,    ///< value[0] [Pa] along the inward normal
   LTH_LOAD_STRESS,      ///< stress [Pa] row-major; traction = stress n
   LTH_LOAD_BODY_FORCE,  ///< value [N/m^3]
-  LTH_LOAD_POINT_FORCE, ///< value [N] at each of `places`
-  LTH_LOAD_ALONG_SIDES  ///< of staggered bodies, without value: staggered_sides.c
+  LTH_LOAD_POINT_FORCE  ///< value [N] at each of `places`
 } LthLoadKind;
 
 /// Places in a body and the cells that touch each of them.
@@ -46,14 +45,11 @@ typedef struct LthLoad {
   bool blocked[3];     ///< components that the boundary holds there: the support takes their force
   bool blocked_normal; ///< so it does along the normal (a roller)
   double area;         ///< what a total force is spread over [m^2]; 0: the patches
-  const struct LthLoad *
-      others; ///< of LTH_LOAD_ALONG_SIDES: what acts on the same body (n_others); borrowed for life
-  LitheIndex n_others;
 } LthLoad;
 
 /// The force depends on the position.
 static inline bool lth_load_follows(const LthLoad *load) {
-  return load->kind == LTH_LOAD_ALONG_SIDES || (load->kind == LTH_LOAD_PRESSURE && load->follower);
+  return load->kind == LTH_LOAD_PRESSURE && load->follower;
 }
 
 /// Take the blocked directions out of a force on boundary with unit normal n.

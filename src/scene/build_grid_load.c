@@ -52,22 +52,8 @@ static LitheStatus add(LitheCtx *ctx, LthBody *body, LitheIndex i) {
   return LITHE_OK;
 }
 
-/// Smooth fractions are there for exactness at free boundaries; equilibria of linear bodies of one material can have what is left.
-static bool corrects_sides(const LthBody *body) {
-  const LthMaterialField *field = &lth_staggered_of(body->disc)->material;
-  return body->def->fractions.method == LTH_FRACTIONS_SMOOTH && field->is_uniform &&
-         body->scene->time_kind != LTH_TIME_DYNAMIC &&
-         body->def->materials[0].material.model == LTH_MATERIAL_LINEAR;
-}
-
 LitheStatus lth_build_grid_loads(LitheCtx *ctx, LthBody *body) {
   LTH_NEW(ctx, body->staggered->load_where, body->def->n_loads);
   for (LitheIndex i = 0; i < body->def->n_loads; i++) LITHE_TRY(add(ctx, body, i));
-  if (corrects_sides(body)) {
-    LTH_RESERVE(ctx, body->loads, body->cap_loads, body->n_loads + 1);
-    LthLoad sides = {
-        .kind = LTH_LOAD_ALONG_SIDES, .others = body->loads, .n_others = body->n_loads};
-    body->loads[body->n_loads++] = sides;
-  }
   return LITHE_OK;
 }

@@ -30,7 +30,6 @@ static void whole_density(const LoadTarget *target, const double at[3], double f
   case LTH_LOAD_TRACTION:
   case LTH_LOAD_TOTAL_FORCE:
   case LTH_LOAD_BODY_FORCE:
-  case LTH_LOAD_ALONG_SIDES:
   case LTH_LOAD_POINT_FORCE: // never come here
     for (int a = 0; a < 3; a++)
       force[a] = target->factor * lth_value_at(&load->value[a], at, target->t);

@@ -234,10 +234,6 @@ LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const Lth
                                    double t, const double *x, double *f) {
   const LthStaggered *s = lth_staggered_const(disc);
   Loading l = {.load = load, .t = t, .factor = 1, .x = x, .f = f};
-  if (load->kind == LTH_LOAD_ALONG_SIDES) {
-    if (x) lth_staggered_correct_sides(s, load, t, x, f);
-    return LITHE_OK;
-  }
   if (load->kind != LTH_LOAD_BODY_FORCE) return add_boundary(ctx, s, &l);
   lth_staggered_visit(s, visit_body_force, &l);
   lth_staggered_load_beyond(s, load, t, f);

@@ -140,12 +140,6 @@ void lth_staggered_solver_destroy(LitheCtx *ctx, LthStaggered *s);
 LitheStatus lth_staggered_add_load(LitheCtx *ctx, const LthDisc *disc, const LthLoad *load,
                                    double t, const double *x, double *f);
 
-// staggered_sides.c
-
-/// f += what takes off the forces that stresses along the boundary have in cut rows, at positions x (LTH_LOAD_ALONG_SIDES).
-void lth_staggered_correct_sides(const LthStaggered *s, const LthLoad *load, double t,
-                                 const double *x, double *f);
-
 // staggered_mixed_state.c
 
 /// Pressures of the mixed form, where it is that.
