@@ -131,7 +131,7 @@ LitheStatus lth_study_cantilever(LthStudyRun *run) {
            "{kind: dg, cells: %d, degree: 1}",
            LTH_CASE_NO_MESH,
            3,
-           {8, 16, 32}},
+           {16, 32, 64}},
           {"dg, file mesh",
            "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
            LTH_CASE_LINEAR_MESH,
