@@ -42,7 +42,7 @@ static LitheStatus swing(LthStudyRun *run, const char *name, double omega, const
                     2 * M_PI * fabs(tip) / omega, 0.01, reason}},
       .n_methods = 4,
       .method = {
-          {"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 3, {5, 10, 20}},
+          lth_case_dg_sliced(5, 10, 20),
           {"dg, tetrahedra",
            "{kind: dg, mesh: tetrahedra, cells: %d, degree: 2}",
            LTH_CASE_NO_MESH,

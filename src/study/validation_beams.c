@@ -110,39 +110,25 @@ LitheStatus lth_study_cantilever(LthStudyRun *run) {
   const char *v = lth_study_print(run, "-%.17g*(%.17g*y^2*(%.17g-x)+%.17g*x+(%.17g-x)*x^2)", f,
                                   3 * nu, LENGTH, (4 + 5 * nu) * half2, 3 * LENGTH);
   double x = 7.99, tip = -f * ((4 + 5 * nu) * half2 * x + (3 * LENGTH - x) * x * x);
-  LthCase c = {
-      .name = "cantilever",
-      .scene = lth_study_print(run, cantilever_scene, u, v, FORCE / (2 * I), u, v),
-      .model = &cantilever,
-      .n_quantities = 2,
-      .quantity = {{"displacement at the end", "m", "probes.end.displacement.1", tip, 0, 0.01,
-                    "1 % is what an engineer asks for; the solution is cubic"},
-                   {"stress xx near the root", "Pa", "probes.top.stress.0",
-                    FORCE * (LENGTH - 1) * 0.9 / I, 0, 0.03,
-                    "stress is one order below displacement"}},
-      .n_methods = 5,
-      .method = {
-          {"dg, sliced, degree 2",
-           "{kind: dg, cells: %d, degree: 2}",
-           LTH_CASE_NO_MESH,
-           3,
-           {4, 8, 16}},
-          {"dg, sliced, degree 1",
-           "{kind: dg, cells: %d, degree: 1}",
-           LTH_CASE_NO_MESH,
-           3,
-           {16, 32, 64}},
-          {"dg, file mesh",
-           "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
-           LTH_CASE_LINEAR_MESH,
-           3,
-           {1, 2, 4}},
-          {"cg, file mesh",
-           "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
-           LTH_CASE_QUADRATIC_MESH,
-           3,
-           {1, 2, 4}},
-          {"staggered", "{kind: staggered, cells: %d}", LTH_CASE_NO_MESH, 3, {32, 64, 128}}}};
+  LthCase c = {.name = "cantilever",
+               .scene = lth_study_print(run, cantilever_scene, u, v, FORCE / (2 * I), u, v),
+               .model = &cantilever,
+               .n_quantities = 2,
+               .quantity = {{"displacement at the end", "m", "probes.end.displacement.1", tip, 0,
+                             0.01, "1 % is what an engineer asks for; the solution is cubic"},
+                            {"stress xx near the root", "Pa", "probes.top.stress.0",
+                             FORCE * (LENGTH - 1) * 0.9 / I, 0, 0.03,
+                             "stress is one order below displacement"}},
+               .n_methods = 5,
+               .method = {lth_case_dg_sliced(4, 8, 16),
+                          {"dg, sliced, degree 1",
+                           "{kind: dg, cells: %d, degree: 1}",
+                           LTH_CASE_NO_MESH,
+                           3,
+                           {16, 32, 64}},
+                          lth_case_dg_mesh(1, 2, 4),
+                          lth_case_cg_mesh(1, 2, 4),
+                          lth_case_staggered(32, 64, 128)}};
   return lth_case_run(run, &c);
 }
 
@@ -186,18 +172,7 @@ LitheStatus lth_study_cook(LthStudyRun *run) {
             0.01,
             "23.96 is what the literature gives as the limit; 1 % is what an engineer asks for"}},
       .n_methods = 4,
-      .method = {
-          {"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 3, {4, 8, 16}},
-          {"dg, file mesh",
-           "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
-           LTH_CASE_LINEAR_MESH,
-           3,
-           {1, 2, 4}},
-          {"cg, file mesh",
-           "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
-           LTH_CASE_QUADRATIC_MESH,
-           3,
-           {1, 2, 4}},
-          {"staggered", "{kind: staggered, cells: %d}", LTH_CASE_NO_MESH, 3, {32, 64, 128}}}};
+      .method = {lth_case_dg_sliced(4, 8, 16), lth_case_dg_mesh(1, 2, 4), lth_case_cg_mesh(1, 2, 4),
+                 lth_case_staggered(32, 64, 128)}};
   return lth_case_run(run, &c);
 }

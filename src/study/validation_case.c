@@ -8,6 +8,35 @@
 /// Columns: level, unknowns, seconds, then value and error of each quantity.
 enum { LEVEL, UNKNOWNS, SECONDS, FIRST_QUANTITY };
 
+LthCaseMethod lth_case_dg_sliced(int level0, int level1, int level2) {
+  return (LthCaseMethod){"dg, sliced",
+                         "{kind: dg, cells: %d, degree: 2}",
+                         LTH_CASE_NO_MESH,
+                         3,
+                         {level0, level1, level2}};
+}
+
+LthCaseMethod lth_case_dg_mesh(int level0, int level1, int level2) {
+  return (LthCaseMethod){"dg, file mesh",
+                         "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
+                         LTH_CASE_LINEAR_MESH,
+                         3,
+                         {level0, level1, level2}};
+}
+
+LthCaseMethod lth_case_cg_mesh(int level0, int level1, int level2) {
+  return (LthCaseMethod){"cg, file mesh",
+                         "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
+                         LTH_CASE_QUADRATIC_MESH,
+                         3,
+                         {level0, level1, level2}};
+}
+
+LthCaseMethod lth_case_staggered(int level0, int level1, int level2) {
+  return (LthCaseMethod){
+      "staggered", "{kind: staggered, cells: %d}", LTH_CASE_NO_MESH, 3, {level0, level1, level2}};
+}
+
 static int error_column(int quantity) { return FIRST_QUANTITY + 2 * quantity + 1; }
 
 static LthTable *make_table(LthStudyRun *run, const LthCase *c) {

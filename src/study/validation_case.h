@@ -29,6 +29,12 @@ typedef struct LthCaseMethod {
   int n_levels, level[LTH_CASE_LEVELS_MAX];
 } LthCaseMethod;
 
+/// Ways that most cases share, at three levels: dg and cg of degree 2, cells or meshes as above.
+LthCaseMethod lth_case_dg_sliced(int level0, int level1, int level2);
+LthCaseMethod lth_case_dg_mesh(int level0, int level1, int level2);
+LthCaseMethod lth_case_cg_mesh(int level0, int level1, int level2);
+LthCaseMethod lth_case_staggered(int level0, int level1, int level2);
+
 typedef struct LthCase {
   const char *name;           ///< stem of the files
   const char *scene;          ///< its shape may be the file body.obj

@@ -26,29 +26,6 @@
   "time: {kind: static}\n"                                                                         \
   "output: {every: last, fields: none}\n"
 
-/// Methods of a body whose surface is body.obj; the last is there for comparison.
-#define METHODS(sliced1, sliced2, sliced3, staggered1, staggered2, staggered3)                     \
-  .n_methods = 4, .method = {{"dg, sliced",                                                        \
-                              "{kind: dg, cells: %d, degree: 2}",                                  \
-                              LTH_CASE_NO_MESH,                                                    \
-                              3,                                                                   \
-                              {sliced1, sliced2, sliced3}},                                        \
-                             {"dg, file mesh",                                                     \
-                              "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",                  \
-                              LTH_CASE_LINEAR_MESH,                                                \
-                              3,                                                                   \
-                              {2, 4, 8}},                                                          \
-                             {"cg, file mesh",                                                     \
-                              "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",                 \
-                              LTH_CASE_QUADRATIC_MESH,                                             \
-                              3,                                                                   \
-                              {1, 2, 4}},                                                          \
-                             {"staggered",                                                         \
-                              "{kind: staggered, cells: %d}",                                      \
-                              LTH_CASE_NO_MESH,                                                    \
-                              3,                                                                   \
-                              {staggered1, staggered2, staggered3}}}
-
 static const char error_reason[] =
     "1 % of the largest displacement is what an engineer asks for; the finest level has some "
     "hundred elements";
@@ -99,7 +76,9 @@ LitheStatus lth_study_cylinder(LthStudyRun *run) {
                     sqrt(0.5 * ((s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) +
                                 (s[2] - s[0]) * (s[2] - s[0]))),
                     0, 0.03, stress_reason}},
-      METHODS(4, 8, 16, 16, 32, 64)};
+      .n_methods = 4,
+      .method = {lth_case_dg_sliced(4, 8, 16), lth_case_dg_mesh(2, 4, 8), lth_case_cg_mesh(1, 2, 4),
+                 lth_case_staggered(16, 32, 64)}};
   return lth_case_run(run, &c);
 }
 
@@ -161,7 +140,9 @@ LitheStatus lth_study_sphere(LthStudyRun *run) {
                              error_reason},
                             {"von Mises at the inner probe", "Pa", "probes.inner.von_mises",
                              1.5 * share * b3 / pow(3 * 0.49, 1.5), 0, 0.03, stress_reason}},
-               METHODS(3, 6, 12, 12, 24, 48)};
+               .n_methods = 4,
+               .method = {lth_case_dg_sliced(3, 6, 12), lth_case_dg_mesh(2, 4, 8),
+                          lth_case_cg_mesh(1, 2, 4), lth_case_staggered(12, 24, 48)}};
   return lth_case_run(run, &c);
 }
 
@@ -231,6 +212,8 @@ LitheStatus lth_study_kirsch(LthStudyRun *run) {
                     error_reason},
                    {"stress xx above the hole", "Pa", "probes.top.stress.0", sxx, 0, 0.05,
                     "a tenth of a radius from the hole the stress changes by half over a radius"}},
-      METHODS(8, 16, 32, 32, 64, 128)};
+      .n_methods = 4,
+      .method = {lth_case_dg_sliced(8, 16, 32), lth_case_dg_mesh(2, 4, 8),
+                 lth_case_cg_mesh(1, 2, 4), lth_case_staggered(32, 64, 128)}};
   return lth_case_run(run, &c);
 }

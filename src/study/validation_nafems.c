@@ -60,18 +60,8 @@ LitheStatus lth_study_le1(LthStudyRun *run) {
       .quantity = {{"stress yy at D", "Pa", "probes.D.stress.1", 92.7e6, 0, 0.04,
                     "a stress at a corner of the body; NAFEMS' target is that of plane stress"}},
       .n_methods = 3,
-      .method = {
-          {"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 3, {16, 32, 64}},
-          {"dg, file mesh",
-           "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
-           LTH_CASE_LINEAR_MESH,
-           3,
-           {1, 2, 4}},
-          {"cg, file mesh",
-           "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
-           LTH_CASE_QUADRATIC_MESH,
-           3,
-           {1, 2, 4}}}};
+      .method = {lth_case_dg_sliced(16, 32, 64), lth_case_dg_mesh(1, 2, 4),
+                 lth_case_cg_mesh(1, 2, 4)}};
   return lth_case_run(run, &c);
 }
 
@@ -103,17 +93,7 @@ LitheStatus lth_study_le10(LthStudyRun *run) {
           {{"stress yy at D", "Pa", "probes.D.stress.1", -5.38e6, 0, 0.05,
             "a stress at a corner of the body; the line that holds it is a strip of 0.1 m here"}},
       .n_methods = 3,
-      .method = {
-          {"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 3, {8, 16, 24}},
-          {"dg, file mesh",
-           "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
-           LTH_CASE_LINEAR_MESH,
-           3,
-           {1, 2, 4}},
-          {"cg, file mesh",
-           "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
-           LTH_CASE_QUADRATIC_MESH,
-           3,
-           {1, 2, 4}}}};
+      .method = {lth_case_dg_sliced(8, 16, 24), lth_case_dg_mesh(1, 2, 4),
+                 lth_case_cg_mesh(1, 2, 4)}};
   return lth_case_run(run, &c);
 }
