@@ -1,29 +1,18 @@
 /// Exact fractions: volumes to rounding, whichever way the axes lie, of surfaces, primitives, combinations, voxels.
 #include "ctx_fixture.h"
 #include "soup_maker.h"
+#include "fraction_grid.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
 #include "geometry/shape.h"
 
-static const double origin[3] = {-1, -1, -1}, h[3] = {0.1, 0.1, 0.1};
-static const LitheIndex n[3] = {20, 20, 20};
 static const LthFractionDef exact = {.method = LTH_FRACTIONS_EXACT};
 
 static LthFractions *create(LitheCtx *ctx, const LthShape *shape) {
   LthFractions *f = NULL;
   CHECK_OK(ctx, lth_fractions_create(ctx, shape, 3, origin, h, n, &exact, &f));
   return f;
-}
-
-/// Part at (i, j, k) halves of cells from the origin; 0 where there is none.
-static double part_at(const LthFractions *f, const int at[3]) {
-  LitheIndex cell[3];
-  for (int a = 0; a < 3; a++)
-    cell[a] = at[a] / 2 + (LitheIndex)lround((origin[a] - f->grid->origin[a]) / h[a]);
-  LitheCount slot = lth_sparse_grid_slot(f->grid, cell[0], cell[1], cell[2]);
-  return slot < 0 ? 0
-                  : lth_fractions_part(f, slot, (at[0] & 1) + 2 * (at[1] & 1) + 4 * (at[2] & 1));
 }
 
 /// Two shapes have the same parts; axis a of the first is axis axes[a] of the second.
@@ -41,9 +30,6 @@ static void check_same(const LthFractions *f, const LthFractions *g, const int a
 }
 
 static const int same_axes[3] = {0, 1, 2}, no_shift[3] = {0, 0, 0};
-
-static const LthShape shell = {
-    .kind = LTH_SHAPE_SHELL, .a = {0.03, -0.02, 0.01}, .radius = 0.8, .inner = 0.55};
 
 /// A surface as a prepared shape.
 static LthShape prepared(LitheCtx *ctx, const LthSurface *s) {

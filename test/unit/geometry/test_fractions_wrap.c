@@ -1,5 +1,6 @@
 /// Fractions of wrapped surfaces: exact where the surface is closed, flat caps in flat holes, what is wound twice counts once.
 #include "soup_maker.h"
+#include "fraction_grid.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
@@ -30,12 +31,6 @@ static int teardown(void **state) {
   return leaked;
 }
 
-static const double origin[3] = {-1, -1, -1}, h[3] = {0.1, 0.1, 0.1};
-static const LitheIndex n[3] = {20, 20, 20};
-
-static const LthShape shell = {
-    .kind = LTH_SHAPE_SHELL, .a = {0.03, -0.02, 0.01}, .radius = 0.8, .inner = 0.55};
-
 static const LthShape *finish(Fixture *x) {
   CHECK_OK(x->ctx, lth_wrap_create(x->ctx, soup_finish(x->maker), "soup", &x->wrap));
   x->shape = (LthShape){.kind = LTH_SHAPE_WRAP, .wrap = x->wrap};
@@ -62,23 +57,13 @@ static LthFractions *create(LitheCtx *ctx, const LthShape *shape, LthFractionMet
   return f;
 }
 
-/// Part at (i, j, k) halves of cells from the origin; 0 where there is none.
-static double part_at(const LthFractions *f, int c) {
-  int at[3] = {c % 40, c / 40 % 40, c / 1600};
-  LitheIndex cell[3];
-  for (int a = 0; a < 3; a++)
-    cell[a] = at[a] / 2 + (LitheIndex)lround((origin[a] - f->grid->origin[a]) / h[a]);
-  LitheCount slot = lth_sparse_grid_slot(f->grid, cell[0], cell[1], cell[2]);
-  return slot < 0 ? 0
-                  : lth_fractions_part(f, slot, (at[0] & 1) + 2 * (at[1] & 1) + 4 * (at[2] & 1));
-}
-
 /// Largest difference of parts, and the number of parts with any.
 static double largest_difference(const LthFractions *f, const LthFractions *g, int *count) {
   double largest = 0;
   *count = 0;
   for (int c = 0; c < 40 * 40 * 40; c++) {
-    double d = fabs(part_at(f, c) - part_at(g, c));
+    const int at[3] = {c % 40, c / 40 % 40, c / 1600};
+    double d = fabs(part_at(f, at) - part_at(g, at));
     *count += d > 1e-9;
     largest = fmax(largest, d);
   }
@@ -118,10 +103,11 @@ static void holes_change_parts_near_them_alone(void **state) {
   LthFractions *f = create(x->ctx, &mesh, LTH_FRACTIONS_EXACT),
                *g = create(x->ctx, finish(x), LTH_FRACTIONS_EXACT);
   for (int c = 0; c < 40 * 40 * 40; c++) {
-    double at[3] = {-1 + 0.05 * (c % 40 + 0.5), -1 + 0.05 * (c / 40 % 40 + 0.5),
-                    -1 + 0.05 * (c / 1600 + 0.5)};
-    bool is_near = 0.48 * at[0] + 0.6 * at[1] + 0.64 * at[2] > 0.85 * lth_v3_norm(at);
-    if (!is_near) CHECK_NEAR(part_at(g, c), part_at(f, c), 1e-9);
+    const int at[3] = {c % 40, c / 40 % 40, c / 1600};
+    double place[3];
+    for (int a = 0; a < 3; a++) place[a] = -1 + 0.05 * (at[a] + 0.5);
+    bool is_near = 0.48 * place[0] + 0.6 * place[1] + 0.64 * place[2] > 0.85 * lth_v3_norm(place);
+    if (!is_near) CHECK_NEAR(part_at(g, at), part_at(f, at), 1e-9);
   }
   // the cap that is missing: pi h^2 (r - h / 3), h = r (1 - cos), about flat over the hole (jagged by triangles of 0.15)
   double high = 0.8 * 0.04, cap = M_PI * high * high * (0.8 - high / 3);
