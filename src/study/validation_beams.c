@@ -110,25 +110,26 @@ LitheStatus lth_study_cantilever(LthStudyRun *run) {
   const char *v = lth_study_print(run, "-%.17g*(%.17g*y^2*(%.17g-x)+%.17g*x+(%.17g-x)*x^2)", f,
                                   3 * nu, LENGTH, (4 + 5 * nu) * half2, 3 * LENGTH);
   double x = 7.99, tip = -f * ((4 + 5 * nu) * half2 * x + (3 * LENGTH - x) * x * x);
-  LthCase c = {.name = "cantilever",
-               .scene = lth_study_print(run, cantilever_scene, u, v, FORCE / (2 * I), u, v),
-               .model = &cantilever,
-               .n_quantities = 2,
-               .quantity = {{"displacement at the end", "m", "probes.end.displacement.1", tip, 0,
-                             0.01, "1 % is what an engineer asks for; the solution is cubic"},
-                            {"stress xx near the root", "Pa", "probes.top.stress.0",
-                             FORCE * (LENGTH - 1) * 0.9 / I, 0, 0.03,
-                             "stress is one order below displacement"}},
-               .n_methods = 5,
-               .method = {lth_case_dg_sliced(4, 8, 16),
-                          {"dg, sliced, degree 1",
-                           "{kind: dg, cells: %d, degree: 1}",
-                           LTH_CASE_NO_MESH,
-                           3,
-                           {16, 32, 64}},
-                          lth_case_dg_mesh(1, 2, 4),
-                          lth_case_cg_mesh(1, 2, 4),
-                          lth_case_staggered(32, 64, 128)}};
+  LthCase c = {
+      .name = "cantilever",
+      .scene = lth_study_print(run, cantilever_scene, u, v, FORCE / (2 * I), u, v),
+      .model = &cantilever,
+      .n_quantities = 2,
+      .quantity = {{"displacement at the end", "m", "probes.end.displacement.1", tip, 0, 0.01,
+                    "1 % is what an engineer asks for; the solution is cubic"},
+                   {"stress xx near the root", "Pa", "probes.top.stress.0",
+                    FORCE * (LENGTH - 1) * 0.9 / I, 0, 0.07,
+                    "of degree 1 it is one value an element: half its height, 0.06 m, of 0.9 m"}},
+      .n_methods = 5,
+      .method = {lth_case_dg_sliced(4, 8, 16),
+                 {"dg, sliced, degree 1",
+                  "{kind: dg, cells: %d, degree: 1}",
+                  LTH_CASE_NO_MESH,
+                  3,
+                  {16, 32, 64}},
+                 lth_case_dg_mesh(1, 2, 4),
+                 lth_case_cg_mesh(1, 2, 4),
+                 lth_case_staggered(32, 64, 128)}};
   return lth_case_run(run, &c);
 }
 

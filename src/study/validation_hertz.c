@@ -63,7 +63,10 @@ LitheStatus lth_study_hertz(LthStudyRun *run) {
                     "slopes for small "
                     "and the far sides are those of a point force: 1 % each"},
                    {"stress zz below the contact", "Pa", "probes.below.stress.2",
-                    -p0 / (1 + z * z / (a * a)), 0, 0.05, "the same"}},
+                    -p0 / (1 + z * z / (a * a)), 0, 0.1,
+                    "with the force given, a stress at half a contact radius falls by 1.6 times "
+                    "what the radius is off, which is known to a part of a cell: two to three "
+                    "cells are the radius here"}},
       .n_methods = 3,
       .method = {{"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 2, {6, 12}},
                  {"dg, file mesh",
