@@ -179,7 +179,9 @@ with folder() as home:
         got = run("run", scene, "-q", "-o", os.path.join(home, "grows"))
         expect("what_is_held_all_around_cannot_grow: " + way,
                got.returncode == 2 and "change its volume by 1 %" in got.stderr, (got.returncode, got.stderr))
-    for cells, text in ((160, RING % 0.5), (24, DROP % (0.49, "auto"))):
+    # what sanitizers keep beside the program's own memory is foreseen by nobody
+    bodies = ((160, RING % 0.5), (24, DROP % (0.49, "auto")))
+    for cells, text in bodies if "sanitizers  no" in run("info").stdout else ():
         text = text.replace("cells: 32", "cells: %d" % cells).replace("cells: 6", "cells: %d" % cells)
         text = text.replace("colliders: [{plane: {point: [0, 0, 0], normal: [0, 1, 0]}}]", "").replace(
             "duration: 0.03", "duration: 0.005")
