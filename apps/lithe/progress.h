@@ -7,7 +7,7 @@ typedef struct Progress {
   bool is_shown; ///< standard error is a terminal and --quiet was not given
   bool has_line;
   double start, last; ///< of the phase, and of the last line [s]
-  char phase[40];
+  char phase[160];
 } Progress;
 
 void progress_start(Progress *progress, bool quiet);

@@ -23,6 +23,7 @@ struct LitheCtx {
   char **warnings;
   LitheIndex n_warnings;
   uint64_t inputs; ///< sum of digests
+  char progress_head[LTH_PROGRESS_HEAD_MAX];
 };
 
 /// Stands in front of every block so that its size is known when it is freed.
@@ -227,7 +228,17 @@ void lth_set_threads(LitheCtx *ctx, int threads) {
 }
 
 void lth_progress(LitheCtx *ctx, const char *phase, double fraction) {
-  if (ctx->def.progress) ctx->def.progress(ctx->def.progress_user, phase, fraction);
+  char text[2 * LTH_PROGRESS_HEAD_MAX];
+  if (!ctx->def.progress) return;
+  if (ctx->progress_head[0]) {
+    snprintf(text, sizeof text, "%s%s", ctx->progress_head, phase);
+    phase = text;
+  }
+  ctx->def.progress(ctx->def.progress_user, phase, fraction);
+}
+
+void lth_progress_head(LitheCtx *ctx, const char *head) {
+  snprintf(ctx->progress_head, sizeof ctx->progress_head, "%s", head);
 }
 
 void lth_note_input(LitheCtx *ctx, uint64_t digest) { ctx->inputs += digest; }

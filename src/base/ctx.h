@@ -42,6 +42,11 @@ bool lth_cancelled(const LitheCtx *ctx);
 /// Tell the user how far a phase is; `fraction` in [0, 1] or -1. Cheap, may be called often.
 void lth_progress(LitheCtx *ctx, const char *phase, double fraction);
 
+/// What stands before every phase from now on, such as which of many runs this is: copied, cut where too long, "" for
+/// nothing.
+#define LTH_PROGRESS_HEAD_MAX 120
+void lth_progress_head(LitheCtx *ctx, const char *head);
+
 /// Digest of the contents of all files read so far: a sum, so that the difference of two readings tells
 /// what was read between them.
 void lth_note_input(LitheCtx *ctx, uint64_t digest);

@@ -45,6 +45,8 @@ static LitheStatus fail_unknown(LitheCtx *ctx, const char *name) {
 static LitheStatus run_one(LthBook *book, const LthStudy *study, const LitheStudyDef *def) {
   LthStudyRun *run;
   LITHE_TRY(lth_book_add(book, study, study->name, &run));
+  lth_study_plan_begin(&book->plan, lth_study_seconds(study->name, def->quick), lth_now());
+  lth_study_plan_tell(&book->plan, book->ctx, study->name);
   run->quick = def->quick;
   run->overrides = def->overrides;
   run->n_overrides = def->n_overrides;
@@ -54,14 +56,14 @@ static LitheStatus run_one(LthBook *book, const LthStudy *study, const LitheStud
 
 static LitheStatus run_all(LthBook *book, void *self) {
   const LitheStudyDef *def = self;
-  LitheIndex n = 0;
   const LthStudy *study;
-  for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++) {
-    if (!lth_study_is_meant(study, def->name)) continue;
-    n++;
-    LITHE_TRY(run_one(book, study, def));
-  }
-  return n > 0 ? LITHE_OK : fail_unknown(book->ctx, def->name);
+  for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++)
+    if (lth_study_is_meant(study, def->name))
+      lth_study_plan_add(&book->plan, lth_study_seconds(study->name, def->quick));
+  if (book->plan.n == 0) return fail_unknown(book->ctx, def->name);
+  for (LitheIndex i = 0; (study = lth_study_at(i)) != NULL; i++)
+    if (lth_study_is_meant(study, def->name)) LITHE_TRY(run_one(book, study, def));
+  return LITHE_OK;
 }
 
 LitheStatus lithe_study(LitheCtx *ctx, const LitheStudyDef *def, LitheStudyResult **result) {

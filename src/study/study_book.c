@@ -50,6 +50,7 @@ LitheStatus lth_book_add(LthBook *book, const LthStudy *study, const char *name,
   run->ctx = run->arena.ctx = book->ctx;
   run->report.arena = &run->arena;
   run->study = study;
+  run->plan = book->plan.n > 0 ? &book->plan : NULL;
   run->folder = *name ? lth_study_print(run, "%s/%s", book->folder, name)
                       : lth_study_print(run, "%s", book->folder);
   if (run->arena.failed) LITHE_FAIL(book->ctx, LITHE_NO_MEMORY, "out of memory in a study");
@@ -113,6 +114,7 @@ LitheStatus lth_book_make(LitheCtx *ctx, const char *folder, const char *title, 
   LitheStatus status = lth_folder_make(ctx, folder);
   if (status == LITHE_OK) status = fill(&book, self);
   if (status == LITHE_OK) status = write_book(&book, title, command, result);
+  lth_progress_head(ctx, "");
   close_book(&book);
   lth_text_locale_end(before);
   return status;

@@ -3,12 +3,14 @@
 
 #include "lithe/study.h"
 #include "study/study_files.h"
+#include "study/study_plan.h"
 
 typedef struct LthBook {
   LitheCtx *ctx;
   const char *folder; ///< borrowed
   LthStudyRun *first, *last;
   double start, began; ///< of all, of the one that runs [s]
+  LthStudyPlan plan;   ///< empty where nothing is foreseen
 } LthBook;
 
 /// What a command adds to its book.

@@ -4,6 +4,7 @@
 #include "io/file.h"
 #include "io/text.h"
 #include "scene/yaml.h"
+#include "study/study_plan.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -68,7 +69,8 @@ LitheStatus lth_study_run_with(LthStudyRun *run, const char *name, const char *t
   for (int i = 0; i < n; i++) overrides[i] = more[i];
   for (int i = 0; i < run->n_overrides; i++) overrides[n + i] = run->overrides[i];
 
-  lth_progress(run->ctx, lth_study_print(run, "%s: %s", run->study->name, name), -1);
+  if (run->plan) lth_study_plan_tell(run->plan, run->ctx, run->study->name);
+  lth_progress(run->ctx, name, -1);
   LITHE_TRY(lth_folder_make(run->ctx, run->folder));
   LITHE_TRY(write_text(run->ctx, file, text));
   LitheSceneDef def = lithe_scene_def_default();

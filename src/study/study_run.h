@@ -19,6 +19,7 @@ typedef struct LthStudyRun {
   int n_overrides;
   const char *trouble; ///< why it stopped before its end, or NULL
   double seconds;
+  const struct LthStudyPlan *plan; ///< of the command, or NULL
   struct LthStudyRun *next;
 } LthStudyRun;
 

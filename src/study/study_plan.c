@@ -1,0 +1,69 @@
+/// How far a command of many studies is, and how long the rest will take.
+#include "study/study_plan.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SHORT_STUDY 2.0 // seconds of one that is not listed
+#define TRUST 5.0 // estimated seconds after which what was measured weighs as much as the estimate
+
+/// Rounded up from runs on two cores; studies of less than some seconds are left out.
+static const struct {
+  const char *name;
+  double full, quick;
+} listed[] = {
+    {"kaufmann/fig7-ears", 20, 6},
+    {"kaufmann/table1", 9, 5},
+    {"kaufmann/fig9", 60, 12},
+    {"dolny/table5.1", 90, 5},
+    {"dolny/table5.2", 150, 5},
+    {"dolny/fig5.1", 10, 5},
+    {"dolny/free", 15, 5},
+    {"dolny/fig5.4", 29, 5},
+    {"validation/cantilever", 30, 4},
+    {"validation/cook", 30, 4},
+    {"validation/cylinder", 30, 4},
+    {"validation/sphere", 30, 10},
+    {"validation/kirsch", 100, 10},
+    {"validation/le1", 20, 3},
+    {"validation/le10", 20, 4},
+    {"validation/hertz", 80, 10},
+    {"validation/bar", 20, 5},
+};
+
+double lth_study_seconds(const char *name, bool quick) {
+  for (size_t i = 0; i < sizeof listed / sizeof listed[0]; i++)
+    if (strcmp(name, listed[i].name) == 0) return quick ? listed[i].quick : listed[i].full;
+  return SHORT_STUDY;
+}
+
+void lth_study_plan_add(LthStudyPlan *plan, double seconds) {
+  plan->n++;
+  plan->all += seconds;
+}
+
+void lth_study_plan_begin(LthStudyPlan *plan, double seconds, double now) {
+  if (plan->n_begun++ == 0) plan->start = now;
+  plan->before += plan->current;
+  plan->current = seconds;
+  plan->began = now;
+}
+
+double lth_study_plan_left(const LthStudyPlan *plan, double now) {
+  double slower = (plan->began - plan->start + TRUST) / (plan->before + TRUST);
+  double rest = slower * (plan->all - plan->before - plan->current);
+  double current = slower * plan->current - (now - plan->began);
+  return (rest > 0 ? rest : 0) + (current > 0 ? current : 0);
+}
+
+void lth_study_plan_tell(const LthStudyPlan *plan, LitheCtx *ctx, const char *name) {
+  char text[LTH_PROGRESS_HEAD_MAX], left[40];
+  double seconds = lth_study_plan_left(plan, lth_now());
+  if (seconds >= 90)
+    snprintf(left, sizeof left, "%.0f min", seconds / 60);
+  else
+    snprintf(left, sizeof left, "%.0f s", seconds);
+  snprintf(text, sizeof text, "study %d of %d, about %s left, %s: ", plan->n_begun, plan->n, left,
+           name);
+  lth_progress_head(ctx, text);
+}
