@@ -73,32 +73,53 @@ static double jump_energy(const int nb[2], const double M[9], double u[2][3 * LT
   return sum;
 }
 
-/// Flux and penalty energy of an inner face.
-static double face_energy(const LthDgOperator *op, const LthDgFace *face, const double *x) {
-  LthDgFaceTables t = lth_dg_face_tables(op, face);
-  double u[2][3 * LTH_DG_MAX_FUNCS], jump[2][3 * LTH_DG_MAX_FUNCS], n[2][3], sum = 0;
-  int nb[2];
+/// Displacements of the two cells of a face and the turned normals.
+static void face_state(const LthDgOperator *op, const LthDgFace *face, const double *x, int nb[2],
+                       double u[2][3 * LTH_DG_MAX_FUNCS], double n[2][3]) {
   for (int s = 0; s < 2; s++) {
     nb[s] = lth_dg_funcs(op->space, face->cell[s]);
     cell_displacement(op, face->cell[s], x, u[s]);
     lth_m3_apply(op->rotation + 9 * (LitheCount)face->cell[s], face->normal, n[s]);
   }
-  jump_moments(nb, &t.full, u, jump);
+}
+
+/// Penalty energy of an inner face, and the moments of the jump.
+static double face_penalty(const LthDgFace *face, const LthDgFaceTables *t, const int nb[2],
+                           double u[2][3 * LTH_DG_MAX_FUNCS], double n[2][3],
+                           double jump[2][3 * LTH_DG_MAX_FUNCS]) {
+  double M[9], sum = 0;
+  const LthDgPenalty *p = &face->penalty;
+  for (int q = 0; q < t->n_low; q++) {
+    lth_dg_penalty_matrix(p->low_iso[q], p->low_normal[q], n[0], n[1], M);
+    jump_moments(nb, &t->low[q], u, jump);
+    sum += jump_energy(nb, M, u, jump);
+  }
+  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], M);
+  jump_moments(nb, &t->full, u, jump);
+  return sum + jump_energy(nb, M, u, jump);
+}
+
+/// Flux and penalty energy of an inner face.
+static double face_energy(const LthDgOperator *op, const LthDgFace *face, const double *x) {
+  LthDgFaceTables t = lth_dg_face_tables(op, face);
+  double u[2][3 * LTH_DG_MAX_FUNCS], jump[2][3 * LTH_DG_MAX_FUNCS], n[2][3];
+  int nb[2];
+  face_state(op, face, x, nb, u, n);
+  double sum = face_penalty(face, &t, nb, u, n, jump);
   for (int s = 0; s < 2 && op->flux == LTH_FLUX_IP; s++) {
     double S[9 * LTH_DG_MAX_LOWER];
     lth_dg_stress_coefficients(op, face->cell[s], x, S);
     sum += flux_energy(op, face->cell[s], face->weight[s], face->normal, S, jump[s]);
   }
-  double M[9];
-  const LthDgPenalty *p = &face->penalty;
-  lth_dg_penalty_matrix(p->full_iso, p->full_normal, n[0], n[1], M);
-  sum += jump_energy(nb, M, u, jump);
-  for (int q = 0; q < t.n_low; q++) {
-    lth_dg_penalty_matrix(p->low_iso[q], p->low_normal[q], n[0], n[1], M);
-    jump_moments(nb, &t.low[q], u, jump);
-    sum += jump_energy(nb, M, u, jump);
-  }
   return sum;
+}
+
+double lth_dg_face_penalty_energy(const LthDgOperator *op, const LthDgFace *face, const double *x) {
+  LthDgFaceTables t = lth_dg_face_tables(op, face);
+  double u[2][3 * LTH_DG_MAX_FUNCS], jump[2][3 * LTH_DG_MAX_FUNCS], n[2][3];
+  int nb[2];
+  face_state(op, face, x, nb, u, n);
+  return face_penalty(face, &t, nb, u, n, jump);
 }
 
 /// int u phi_i - data over a group (nb x 3), projected by P.
@@ -136,6 +157,7 @@ static void group_matrices(const LthDgOperator *op, const LthDgHold *hold, const
   lth_dg_penalty_matrix(p->low_iso[0], p->low_normal[0], n, zero, mean);
 }
 
+/// Flux (with the stress S, NULL: without) and penalty energy of a hold.
 static double hold_energy(const LthDgOperator *op, const LthDgHold *hold, double t, const double *u,
                           const double *S) {
   int nb = lth_dg_funcs(op->space, hold->cell);
@@ -145,12 +167,19 @@ static double hold_energy(const LthDgOperator *op, const LthDgHold *hold, double
     double data[3 * LTH_DG_MAX_FUNCS], jump[3 * LTH_DG_MAX_FUNCS], square[9], full[9], mean[9];
     lth_dg_group_data(op, hold, group, t, false, data, square);
     hold_jump(op, hold, group, u, data, jump);
-    if (op->flux == LTH_FLUX_IP) sum += flux_energy(op, hold->cell, 1, group->normal, S, jump);
+    if (S && op->flux == LTH_FLUX_IP) sum += flux_energy(op, hold->cell, 1, group->normal, S, jump);
     group_matrices(op, hold, group, full, mean);
     sum += 0.5 * hold_penalty(hold, nb, full, u, jump, data, square);
     sum += 0.5 * quadratic(mean, jump, jump) / group->area;
   }
   return sum;
+}
+
+double lth_dg_hold_penalty_energy(const LthDgOperator *op, const LthDgHold *hold, double t,
+                                  const double *x) {
+  double u[3 * LTH_DG_MAX_FUNCS];
+  cell_displacement(op, hold->cell, x, u);
+  return hold_energy(op, hold, t, u, NULL);
 }
 
 double lth_dg_energy(LthDgOperator *op, double t, const double *x) {

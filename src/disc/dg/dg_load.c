@@ -80,7 +80,8 @@ static void add_point(void *self, const double at[3], double weight) {
 }
 
 /// The signed triangles of a piece of boundary.
-static void add_piece(LoadTarget *target, const LthFaceView *piece, const LthSimplexRule *rule) {
+static void visit_piece(const LthFaceView *piece, const LthSimplexRule *rule, LthDgPointFn visit,
+                        void *self) {
   LitheIndex t[3];
   for (LthFan fan = lth_fan(piece); lth_fan_next(&fan, t);) {
     const double *corner[3];
@@ -94,7 +95,7 @@ static void add_piece(LoadTarget *target, const LthFaceView *piece, const LthSim
       double bary[4], at[3] = {0};
       double weight = lth_simplex_rule_point(rule, q, bary);
       for (int c = 0; c < 3; c++) lth_v3_axpy(bary[c], corner[c], at);
-      add_point(target, at, area * weight);
+      visit(self, at, area * weight);
     }
   }
 }
@@ -114,19 +115,25 @@ static int load_degree(const LthDgSpace *space, const LthLoad *load) {
   return load->follower && 3 * k > smooth ? 3 * k : smooth;
 }
 
+/// A total force over the area that it is spread on.
+static LitheStatus spread_total(LitheCtx *ctx, LoadTarget *target) {
+  const LthPatches *patches = target->load->patches;
+  double area = target->load->area;
+  if (target->load->kind != LTH_LOAD_TOTAL_FORCE) return LITHE_OK;
+  for (LitheIndex p = 0; p < patches->n && target->load->area == 0; p++) area += patches->area[p];
+  if (!(area > 0))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "total_force: the selection has no area; choose a `where` that selects boundary");
+  target->factor = 1 / area;
+  return LITHE_OK;
+}
+
 static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target, double *f) {
   const LthPatches *patches = target->load->patches;
   const LthMesh *mesh = target->space->mesh;
   LthSimplexRule rule;
   LITHE_TRY(lth_simplex_rule(ctx, 2, load_degree(target->space, target->load), &rule));
-  if (target->load->kind == LTH_LOAD_TOTAL_FORCE) {
-    double area = target->load->area;
-    for (LitheIndex p = 0; p < patches->n && target->load->area == 0; p++) area += patches->area[p];
-    if (!(area > 0))
-      LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-                 "total_force: the selection has no area; choose a `where` that selects boundary");
-    target->factor = 1 / area;
-  }
+  LITHE_TRY(spread_total(ctx, target));
   bool constant = is_constant(target->load);
   for (LitheIndex p = 0; p < patches->n; p++) {
     LitheIndex face = patches->face[p];
@@ -137,7 +144,7 @@ static LitheStatus add_boundary(LitheCtx *ctx, LoadTarget *target, double *f) {
     if (constant)
       add_constant(target, &view, patches->centroid + 3 * (LitheCount)p);
     else
-      add_piece(target, &view, &rule);
+      visit_piece(&view, &rule, add_point, target);
   }
   return LITHE_OK;
 }
@@ -169,6 +176,117 @@ LitheStatus lth_dg_add_load(LitheCtx *ctx, const LthDgSpace *space, const LthLoa
   LoadTarget target = {.space = space, .load = load, .x = x, .t = t, .factor = 1};
   if (load->kind == LTH_LOAD_BODY_FORCE) return add_volume(ctx, &target, f);
   return add_boundary(ctx, &target, f);
+}
+
+/// Pieces of a load by face: the first one, and the one after each; -1: none.
+typedef struct PieceList {
+  LitheIndex *first, *next;
+} PieceList;
+
+/// A visit of all loads on boundary: where it is, and what of others acts there as well.
+typedef struct TractionVisit {
+  const LoadTarget *targets; ///< one a load
+  const PieceList *lists;
+  LitheIndex load, n_loads, face;
+  LthDgTractionFn visit;
+  void *self;
+} TractionVisit;
+
+static LitheStatus list_pieces(LitheCtx *ctx, const LthMesh *mesh, const LthPatches *patches,
+                               PieceList *list) {
+  LTH_NEW(ctx, list->first, mesh->n_faces);
+  LTH_NEW(ctx, list->next, patches->n);
+  for (LitheIndex f = 0; f < mesh->n_faces; f++) list->first[f] = -1;
+  for (LitheIndex p = patches->n - 1; p >= 0; p--) {
+    list->next[p] = list->first[patches->face[p]];
+    list->first[patches->face[p]] = p;
+  }
+  return LITHE_OK;
+}
+
+/// Whether a piece holds a point of its plane: its triangles count with their signs.
+static bool holds(const LthFaceView *piece, const double at[3]) {
+  LitheIndex t[3];
+  int count = 0;
+  for (LthFan fan = lth_fan(piece); lth_fan_next(&fan, t);) {
+    int n_left = 0;
+    for (int i = 0; i < 3; i++) {
+      double u[3], v[3], w[3];
+      lth_v3_sub(piece->points + 3 * (LitheCount)t[(i + 1) % 3],
+                 piece->points + 3 * (LitheCount)t[i], u);
+      lth_v3_sub(at, piece->points + 3 * (LitheCount)t[i], v);
+      lth_v3_cross(u, v, w);
+      n_left += lth_v3_dot(w, piece->normal) > 0;
+    }
+    count += n_left == 3 ? 1 : n_left == 0 ? -1 : 0;
+  }
+  return count > 0;
+}
+
+static void visit_traction(void *self, const double at[3], double weight) {
+  const TractionVisit *v = self;
+  const LoadTarget *target = v->targets + v->load;
+  double force[3], later[3] = {0};
+  density_at(target, at, force);
+  for (LitheIndex l = v->load + 1; l < v->n_loads; l++) {
+    if (!v->lists[l].first) continue;
+    for (LitheIndex p = v->lists[l].first[v->face]; p >= 0; p = v->lists[l].next[p]) {
+      LthFaceView view = lth_patches_view(target->space->mesh, v->targets[l].load->patches, p);
+      LoadTarget other = v->targets[l];
+      double more[3];
+      if (!holds(&view, at)) continue;
+      other.cell = target->cell, other.normal = target->normal;
+      density_at(&other, at, more);
+      lth_v3_add(later, more, later);
+      break;
+    }
+  }
+  v->visit(v->self, target->cell, target->normal, at, weight, force, later);
+}
+
+static LitheStatus visit_loads(LitheCtx *ctx, LoadTarget *targets, TractionVisit *v) {
+  const LthMesh *mesh = targets->space->mesh;
+  for (v->load = 0; v->load < v->n_loads; v->load++) {
+    LoadTarget *target = targets + v->load;
+    const LthPatches *patches = target->load->patches;
+    LthSimplexRule rule;
+    if (!patches) continue;
+    LITHE_TRY(lth_simplex_rule(ctx, 2, load_degree(target->space, target->load), &rule));
+    for (LitheIndex p = 0; p < patches->n; p++) {
+      LthFaceView view = lth_patches_view(mesh, patches, p);
+      v->face = patches->face[p];
+      target->cell = mesh->face_cell[2 * v->face];
+      target->normal = mesh->face_normal + 3 * (LitheCount)v->face;
+      visit_piece(&view, &rule, visit_traction, v);
+    }
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_dg_visit_tractions(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n_loads,
+                                   const LthLoad *loads, double t, const double *x,
+                                   LthDgTractionFn visit, void *self) {
+  LitheStatus status = LITHE_OK;
+  LoadTarget *targets = NULL;
+  PieceList *lists = NULL;
+  LTH_NEW_OR(done, ctx, targets, n_loads);
+  LTH_NEW_OR(done, ctx, lists, n_loads);
+  for (LitheIndex l = 0; l < n_loads; l++) {
+    targets[l] = (LoadTarget){.space = space, .load = loads + l, .x = x, .t = t, .factor = 1};
+    if (!loads[l].patches) continue;
+    LITHE_TRY_OR(done, spread_total(ctx, targets + l));
+    LITHE_TRY_OR(done, list_pieces(ctx, space->mesh, loads[l].patches, lists + l));
+  }
+  TractionVisit v = {targets, lists, 0, n_loads, 0, visit, self};
+  if (n_loads > 0) LITHE_TRY_OR(done, visit_loads(ctx, targets, &v));
+done:
+  for (LitheIndex l = 0; lists && l < n_loads; l++) {
+    lth_free(ctx, lists[l].first);
+    lth_free(ctx, lists[l].next);
+  }
+  lth_free(ctx, lists);
+  lth_free(ctx, targets);
+  return status;
 }
 
 void lth_dg_add_gravity(const LthDgSpace *space, const double *density, const double gravity[3],

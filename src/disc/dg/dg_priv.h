@@ -186,6 +186,13 @@ void lth_dg_add_own_flux(const LthDgOperator *op, LitheIndex cell, double w, con
 void lth_dg_stress_coefficients(const LthDgOperator *op, LitheIndex cell, const double *x,
                                 double *S);
 
+// dg_energy.c
+
+/// What the penalty on the jumps of an inner face, and on a hold's distance from its data, holds of the energy [J].
+double lth_dg_face_penalty_energy(const LthDgOperator *op, const LthDgFace *face, const double *x);
+double lth_dg_hold_penalty_energy(const LthDgOperator *op, const LthDgHold *hold, double t,
+                                  const double *x);
+
 // dg_face.c
 
 /// mass += int_piece phi_i phi_j of a cell.
