@@ -186,6 +186,18 @@ static int compare_keyed(const void *a, const void *b) {
   return 0;
 }
 
+/// The sample at a place that averages the point's own cell, where a cut has left several there.
+static LitheIndex choose_side(const LthSampleSet *s, const Keyed *keys, const Keyed *found,
+                              LitheIndex cell) {
+  const Keyed *end = keys + s->n;
+  while (found > keys && compare_keyed(found - 1, found) == 0) found--;
+  if (found + 1 == end || compare_keyed(found, found + 1) != 0) return found->id;
+  for (const Keyed *k = found; k < end && compare_keyed(k, found) == 0; k++)
+    for (LitheCount e = s->cell_off[k->id]; e < s->cell_off[k->id + 1]; e++)
+      if (s->cell[e] == cell) return k->id;
+  return -1;
+}
+
 /// Sample at each embedded point that is a mesh point, bit for bit; -1 elsewhere.
 static LitheStatus match_points(LitheCtx *ctx, const LthEmbedding *e, const LthSampleSet *s,
                                 LitheIndex **match) {
@@ -201,7 +213,7 @@ static LitheStatus match_points(LitheCtx *ctx, const LthEmbedding *e, const LthS
     Keyed key = {.id = -1};
     lth_v3_copy(e->rest + 3 * (size_t)p, key.x);
     const Keyed *found = bsearch(&key, keys, (size_t)s->n, sizeof *keys, compare_keyed);
-    (*match)[p] = found ? found->id : -1;
+    (*match)[p] = found ? choose_side(s, keys, found, e->cell[p]) : -1;
   }
   lth_free(ctx, keys);
   return LITHE_OK;

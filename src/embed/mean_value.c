@@ -66,8 +66,8 @@ static void merge_row(LthWeightRow *row) {
 
 /// Add one triangle of a face; `done` where x lies on it and the row is complete.
 static LitheStatus add_triangle(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s,
-                                const LitheIndex tri[3], double side, const double x[3],
-                                double size, LthWeightRow *row, bool *done) {
+                                const LitheIndex tri[3], LitheIndex cell, double side,
+                                const double x[3], double size, LthWeightRow *row, bool *done) {
   const double *p[3];
   double w[3];
   View v;
@@ -79,17 +79,18 @@ static LitheStatus add_triangle(LitheCtx *ctx, const LthMesh *m, const LthSample
   *done = on_triangle(p, x, size, w);
   if (*done) row->n = 0, side = 1;
   if (!*done && !triangle_weights(&v, w)) return LITHE_OK;
-  for (int k = 0; k < 3; k++) LITHE_TRY(lth_row_add(ctx, row, s->of_point[tri[k]], side * w[k]));
+  for (int k = 0; k < 3; k++)
+    LITHE_TRY(lth_row_add(ctx, row, lth_samples_at(s, tri[k], cell), side * w[k]));
   return LITHE_OK;
 }
 
 static LitheStatus add_face(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s, LitheIndex face,
-                            double side, const double x[3], double size, LthWeightRow *row,
-                            bool *done) {
+                            LitheIndex cell, double side, const double x[3], double size,
+                            LthWeightRow *row, bool *done) {
   for (LitheIndex l = m->face_loop_off[face]; l < m->face_loop_off[face + 1]; l++)
     for (LitheIndex i = m->loop_off[l] + 1; i + 1 < m->loop_off[l + 1] && !*done; i++) {
       LitheIndex tri[3] = {m->loop_point[m->loop_off[l]], m->loop_point[i], m->loop_point[i + 1]};
-      LITHE_TRY(add_triangle(ctx, m, s, tri, side, x, size, row, done));
+      LITHE_TRY(add_triangle(ctx, m, s, tri, cell, side, x, size, row, done));
     }
   return LITHE_OK;
 }
@@ -102,7 +103,7 @@ LitheStatus lth_mean_value_weights(LitheCtx *ctx, const LthMesh *m, const LthSam
   row->n = 0;
   for (LitheIndex i = m->cell_face_off[cell]; i < m->cell_face_off[cell + 1] && !done; i++) {
     LitheIndex face = m->cell_face[i];
-    LITHE_TRY(add_face(ctx, m, s, face, lth_mesh_side(m, face, cell), x, size, row, &done));
+    LITHE_TRY(add_face(ctx, m, s, face, cell, lth_mesh_side(m, face, cell), x, size, row, &done));
   }
   merge_row(row);
   for (LitheIndex i = 0; i < row->n; i++) sum += row->weight[i];

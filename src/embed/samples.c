@@ -1,7 +1,9 @@
 /// Where a discontinuous field is sampled, which elements each sample averages, and how far it acts.
 #include "embed/samples.h"
 
+#include "base/disjoint_sets.h"
 #include "base/tensor.h"
+#include "embed/around.h"
 
 #include <stdlib.h>
 
@@ -20,6 +22,7 @@ void lth_samples_destroy(LitheCtx *ctx, LthSampleSet **set) {
   lth_free(ctx, s->of_cell_off);
   lth_free(ctx, s->of_cell);
   lth_free(ctx, s->of_point);
+  lth_free(ctx, s->is_parted);
   lth_free(ctx, s);
   *set = NULL;
 }
@@ -36,79 +39,58 @@ LitheStatus lth_samples_add(LitheCtx *ctx, LthSampleSet *s, const double x[3], L
   return LITHE_OK;
 }
 
-/// Cells of every mesh point, ascending, as rows.
-typedef struct Incidence {
-  LitheCount *off;
-  LitheIndex *cell, *mark;
-} Incidence;
-
-/// Call for every point of a cell once: `mark` remembers the last cell that saw a point.
-static void count_or_fill(const LthMesh *m, LitheIndex cell, Incidence *at, bool fill) {
-  for (LitheIndex i = m->cell_face_off[cell]; i < m->cell_face_off[cell + 1]; i++) {
-    LitheIndex f = m->cell_face[i];
-    for (LitheIndex k = m->loop_off[m->face_loop_off[f]]; k < m->loop_off[m->face_loop_off[f + 1]];
-         k++) {
-      LitheIndex p = m->loop_point[k];
-      if (at->mark[p] == cell) continue;
-      at->mark[p] = cell;
-      if (fill)
-        at->cell[at->off[p]++] = cell;
-      else
-        at->off[p + 1]++;
-    }
-  }
-}
-
-static LitheStatus find_incidence(LitheCtx *ctx, const LthMesh *m, Incidence *at) {
-  LTH_NEW(ctx, at->off, (LitheCount)m->n_points + 2);
-  LTH_NEW(ctx, at->mark, m->n_points);
-  for (LitheIndex p = 0; p < m->n_points; p++) at->mark[p] = -1;
-  for (LitheIndex c = 0; c < m->n_cells; c++) count_or_fill(m, c, at, false);
-  for (LitheIndex p = 0; p < m->n_points; p++) at->off[p + 1] += at->off[p];
-  LTH_NEW(ctx, at->cell, at->off[m->n_points]);
-  for (LitheIndex p = 0; p < m->n_points; p++) at->mark[p] = -1;
-  for (LitheIndex c = 0; c < m->n_cells; c++) count_or_fill(m, c, at, true);
-  for (LitheIndex p = m->n_points; p > 0; p--)
-    at->off[p] = at->off[p - 1]; // fill moved each to its end
-  at->off[0] = 0;
-  return LITHE_OK;
-}
-
-static void free_incidence(LitheCtx *ctx, Incidence *at) {
-  lth_free(ctx, at->off);
-  lth_free(ctx, at->cell);
-  lth_free(ctx, at->mark);
-}
-
-/// Samples at all mesh points of at least `rank` that an element uses.
+/// Samples at all mesh points of at least `rank` that an element uses, one for each part of the cells around.
 static LitheStatus add_points(LitheCtx *ctx, const LthMesh *m, int rank, LthSampleSet *s) {
-  Incidence at = {0};
+  LthAround at = {0};
   LitheStatus status = LITHE_OK;
   LTH_NEW_OR(done, ctx, s->of_point, m->n_points);
-  LITHE_TRY_OR(done, find_incidence(ctx, m, &at));
+  LTH_NEW_OR(done, ctx, s->is_parted, m->n_points);
+  LITHE_TRY_OR(done, lth_around_create(ctx, m, &at));
   for (LitheIndex p = 0; p < m->n_points; p++) {
-    LitheCount n = at.off[p + 1] - at.off[p];
     s->of_point[p] = -1;
-    if (n == 0 || m->point_rank[p] < rank) continue;
+    if (at.off[p] == at.off[p + 1] || m->point_rank[p] < rank) continue;
     s->of_point[p] = s->n;
-    LITHE_TRY_OR(done, lth_samples_add(ctx, s, m->points + 3 * (size_t)p, (LitheIndex)n,
-                                       at.cell + at.off[p]));
+    for (LitheCount i = at.off[p], end; i < at.off[p + 1]; i = end) {
+      end = lth_around_end(&at, p, i);
+      s->is_parted[p] = s->is_parted[p] || end < at.off[p + 1];
+      LITHE_TRY_OR(done, lth_samples_add(ctx, s, m->points + 3 * (size_t)p, (LitheIndex)(end - i),
+                                         at.cell + i));
+    }
   }
 done:
-  free_incidence(ctx, &at);
+  lth_around_free(ctx, &at);
   return status;
 }
 
-/// An edge between two coarse nodes as one of its cells sees it; by samples, low < high.
+static bool has_cell(const LthSampleSet *s, LitheIndex sample, LitheIndex cell) {
+  for (LitheCount i = s->cell_off[sample]; i < s->cell_off[sample + 1]; i++)
+    if (s->cell[i] == cell) return true;
+  return false;
+}
+
+LitheIndex lth_samples_at(const LthSampleSet *s, LitheIndex point, LitheIndex cell) {
+  LitheIndex sample = s->of_point[point];
+  if (sample < 0 || !s->is_parted[point]) return sample;
+  while (!has_cell(s, sample, cell)) sample++; // the parts of a point follow each other
+  return sample;
+}
+
+/// An edge between two coarse nodes as one of its cells sees it; by samples, low < high. `across`: the cell behind a
+/// face at the edge, -1 beyond the boundary.
 typedef struct Edge {
-  LitheIndex low, high, cell;
+  LitheIndex low, high, cell, across;
 } Edge;
 
 static int compare_edges(const void *a, const void *b) {
   const Edge *p = a, *q = b;
   if (p->low != q->low) return p->low < q->low ? -1 : 1;
   if (p->high != q->high) return p->high < q->high ? -1 : 1;
-  return (p->cell > q->cell) - (p->cell < q->cell);
+  if (p->cell != q->cell) return p->cell < q->cell ? -1 : 1;
+  return (p->across > q->across) - (p->across < q->across);
+}
+
+static bool same_edge(const Edge *a, const Edge *b) {
+  return a->low == b->low && a->high == b->high;
 }
 
 static LitheStatus add_loop_edges(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s,
@@ -116,20 +98,21 @@ static LitheStatus add_loop_edges(LitheCtx *ctx, const LthMesh *m, const LthSamp
                                   LitheCount *cap) {
   LitheIndex first = m->loop_off[loop], end = m->loop_off[loop + 1];
   for (LitheIndex i = first; i < end; i++) {
-    LitheIndex a = s->of_point[m->loop_point[i]];
-    LitheIndex b = s->of_point[m->loop_point[i + 1 < end ? i + 1 : first]];
-    if (a < 0 || b < 0 || a == b) continue;
+    LitheIndex p = m->loop_point[i], q = m->loop_point[i + 1 < end ? i + 1 : first];
+    if (s->of_point[p] < 0 || s->of_point[q] < 0 || p == q) continue;
     for (int side = 0; side < 2; side++) {
       LitheIndex cell = m->face_cell[2 * (size_t)face + (size_t)side];
       if (cell < 0) continue;
+      LitheIndex a = lth_samples_at(s, p, cell), b = lth_samples_at(s, q, cell);
       LTH_RESERVE(ctx, *edges, *cap, *n + 1);
-      (*edges)[(*n)++] = (Edge){a < b ? a : b, a < b ? b : a, cell};
+      (*edges)[(*n)++] = (Edge){a < b ? a : b, a < b ? b : a, cell,
+                                m->face_cell[2 * (size_t)face + (size_t)!side]};
     }
   }
   return LITHE_OK;
 }
 
-/// All edges between coarse nodes with their cells, sorted, each (edge, cell) once.
+/// All edges between coarse nodes with their cells and those behind faces, sorted, each once.
 static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const LthSampleSet *s, Edge **edges,
                               LitheCount *n) {
   LitheCount cap = 0, kept = 0;
@@ -152,7 +135,7 @@ static LitheStatus find_one_rings(LitheCtx *ctx, const LthSampleSet *s, const Ed
   LTH_NEW(ctx, *length, s->n);
   LTH_NEW(ctx, count, s->n);
   for (LitheCount i = 0; i < n; i++) {
-    if (i > 0 && edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high) continue;
+    if (i > 0 && same_edge(edges + i, edges + i - 1)) continue;
     LitheIndex end[2] = {edges[i].low, edges[i].high};
     double d = lth_v3_distance(s->point + 3 * (size_t)end[0], s->point + 3 * (size_t)end[1]);
     for (int k = 0; k < 2; k++) (*length)[end[k]] += d, count[end[k]]++;
@@ -163,23 +146,63 @@ static LitheStatus find_one_rings(LitheCtx *ctx, const LthSampleSet *s, const Ed
   return LITHE_OK;
 }
 
+/// Cells of an edge, ascending, and for each the lowest that it hangs together with by faces at the edge.
+typedef struct EdgeCells {
+  LitheIndex *cell, *root, *part;
+  LitheIndex n;
+  LitheCount cell_cap, root_cap, part_cap;
+} EdgeCells;
+
+static LitheIndex find_cell(const EdgeCells *c, LitheIndex cell) {
+  for (LitheIndex i = 0; i < c->n; i++)
+    if (c->cell[i] == cell) return i;
+  return -1;
+}
+
+static LitheStatus find_edge_cells(LitheCtx *ctx, const Edge *edges, LitheCount n, EdgeCells *c) {
+  LTH_RESERVE(ctx, c->cell, c->cell_cap, n);
+  LTH_RESERVE(ctx, c->root, c->root_cap, n);
+  LTH_RESERVE(ctx, c->part, c->part_cap, n);
+  c->n = 0;
+  for (LitheCount k = 0; k < n; k++)
+    if (k == 0 || edges[k].cell != edges[k - 1].cell) c->cell[c->n++] = edges[k].cell;
+  lth_sets_reset(c->root, c->n);
+  for (LitheCount k = 0; k < n; k++) {
+    LitheIndex a = find_cell(c, edges[k].cell),
+               b = edges[k].across >= 0 ? find_cell(c, edges[k].across) : -1;
+    if (b >= 0) lth_sets_unite(c->root, a, b);
+  }
+  return LITHE_OK;
+}
+
+/// One sample in the middle of an edge for each part of the cells around it.
+static LitheStatus add_middle(LitheCtx *ctx, LthSampleSet *s, const Edge *edge, EdgeCells *c) {
+  double x[3];
+  lth_v3_add(s->point + 3 * (size_t)edge->low, s->point + 3 * (size_t)edge->high, x);
+  lth_v3_scale(0.5, x);
+  for (LitheIndex first = 0; first < c->n; first++) {
+    LitheIndex n = 0;
+    if (c->root[first] != first) continue;
+    for (LitheIndex i = first; i < c->n; i++)
+      if (lth_sets_root(c->root, i) == first) c->part[n++] = c->cell[i];
+    LITHE_TRY(lth_samples_add(ctx, s, x, n, c->part));
+  }
+  return LITHE_OK;
+}
+
 static LitheStatus add_edge_middles(LitheCtx *ctx, LthSampleSet *s, const Edge *edges,
                                     LitheCount n) {
   LitheStatus status = LITHE_OK;
-  LitheIndex *cells = NULL;
-  LitheCount cap = 0;
+  EdgeCells cells = {0};
   for (LitheCount i = 0, j; i < n; i = j) {
-    double x[3];
-    for (j = i; j < n && edges[j].low == edges[i].low && edges[j].high == edges[i].high; j++) {
-      LTH_RESERVE_OR(done, ctx, cells, cap, j - i + 1);
-      cells[j - i] = edges[j].cell;
-    }
-    lth_v3_add(s->point + 3 * (size_t)edges[i].low, s->point + 3 * (size_t)edges[i].high, x);
-    lth_v3_scale(0.5, x);
-    LITHE_TRY_OR(done, lth_samples_add(ctx, s, x, (LitheIndex)(j - i), cells));
+    for (j = i; j < n && same_edge(edges + j, edges + i);) j++;
+    LITHE_TRY_OR(done, find_edge_cells(ctx, edges + i, j - i, &cells));
+    LITHE_TRY_OR(done, add_middle(ctx, s, edges + i, &cells));
   }
 done:
-  lth_free(ctx, cells);
+  lth_free(ctx, cells.cell);
+  lth_free(ctx, cells.root);
+  lth_free(ctx, cells.part);
   return status;
 }
 

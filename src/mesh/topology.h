@@ -56,7 +56,7 @@ typedef struct LthTopologyWork LthTopologyWork;
 /// operation nothing but destroying it is allowed.
 typedef struct LthTopology {
   double *points;        ///< [m]                                             (n_points x 3)
-  uint8_t *point_rank;   ///< as LthMesh.point_rank                           (n_points)
+  uint8_t *point_rank;   ///< as LthMesh.point_rank; planes that cut count as grid planes (n_points)
   LitheIndex *point_use; ///< number of corners at a point                   (n_points)
   LitheIndex n_points, n_surface_points;
   LthTopologyFace *faces;

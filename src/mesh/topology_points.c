@@ -127,6 +127,13 @@ static void intersect(const double *a, const double *b, double ha, double hb, do
   }
 }
 
+/// A point on an edge lies on the planes of the edge and on the one that cuts it. An edge lies on a plane less than
+/// its ends at most; ends that share no plane make the point count for more than it is, which is harmless.
+static uint8_t rank_on_edge(const LthTopology *t, LitheIndex a, LitheIndex b) {
+  uint8_t p = t->point_rank[a], q = t->point_rank[b], low = p < q ? p : q;
+  return low < 3 ? (uint8_t)(low + 1) : low;
+}
+
 LitheStatus lth_topology_cut_edge(LitheCtx *ctx, LthTopology *t, LitheIndex a, LitheIndex b,
                                   LitheIndex *point) {
   LthTopologyWork *w = t->work;
@@ -141,6 +148,7 @@ LitheStatus lth_topology_cut_edge(LitheCtx *ctx, LthTopology *t, LitheIndex a, L
   else
     intersect(p, q, w->point_height[a], w->point_height[b], x);
   LITHE_TRY(lth_topology_add_point(ctx, t, x, point));
+  t->point_rank[*point] = rank_on_edge(t, a, b);
   LTH_RESERVE(ctx, w->fresh, w->fresh_cap, w->n_fresh + 1);
   w->fresh[w->n_fresh++] = *point;
   LITHE_TRY(room_for_points(ctx, t));
