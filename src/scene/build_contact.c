@@ -2,6 +2,7 @@
 #include "scene/body.h"
 
 #include "base/tensor.h"
+#include "disc/cg/cg_disc.h"
 
 /// Longest edge of a polygon, squared.
 static double longest_edge(const LthSoup *soup, LitheIndex polygon) {
@@ -24,8 +25,23 @@ static bool has_large_polygons(const LthBody *body) {
   return false;
 }
 
+/// Faces of quadratic elements, which are the body's whole boundary: an embedded surface has nothing to add.
+static LitheStatus create_on_faces(LitheCtx *ctx, LthBody *body) {
+  LthTouchPoints t;
+  LITHE_TRY(lth_cg_touch_points(ctx, body->disc, &t));
+  LitheStatus status =
+      lth_embedding_create_direct(ctx, body->disc, t.n, t.points, t.cells, &body->nodes);
+  if (status == LITHE_OK) {
+    body->nodes->area = t.area;
+    t.area = NULL;
+  }
+  lth_touch_points_free(ctx, &t);
+  return status;
+}
+
 static LitheStatus create_nodes(LitheCtx *ctx, LthBody *body, const LthEmbedding *surface) {
   if (body->staggered) return lth_build_grid_nodes(ctx, body, surface, &body->nodes);
+  if (!body->space && lth_cg_touches_by_faces(body->disc)) return create_on_faces(ctx, body);
   return lth_embedding_create_nodes(ctx, body->disc, body->space, surface, &body->nodes);
 }
 

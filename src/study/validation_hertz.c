@@ -67,17 +67,22 @@ LitheStatus lth_study_hertz(LthStudyRun *run) {
                     "with the force given, a stress at half a contact radius falls by 1.6 times "
                     "what the radius is off, which is known to a part of a cell: two to three "
                     "cells are the radius here"}},
-      .n_methods = 3,
+      .n_methods = 4,
       .method = {{"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 2, {6, 12}},
                  {"dg, file mesh",
                   "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
                   LTH_CASE_LINEAR_MESH,
                   2,
                   {2, 3}},
-                 {"cg, file mesh",
+                 {"cg, file mesh, linear",
                   "{kind: cg, mesh: {file: hex8-%d.msh}, degree: 1}",
                   LTH_CASE_LINEAR_MESH,
                   2,
-                  {3, 5}}}};
+                  {3, 5}},
+                 {"cg, file mesh, quadratic",
+                  "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
+                  LTH_CASE_QUADRATIC_MESH,
+                  2,
+                  {2, 3}}}};
   return lth_case_run(run, &c);
 }
