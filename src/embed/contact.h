@@ -119,5 +119,11 @@ void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetr
 /// outwards or inwards.
 void lth_contact_archive(LthContact *contact, LthArchive *archive);
 
+/// Take the memory of another contact of the same bodies: of points that are still there. `point_of` has for each side
+/// the new number of each of the other's points, -1: none. Where surfaces of bodies differ,
+/// friction between them starts anew.
+LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *contact, const LthContact *from,
+                                const LitheIndex *const point_of[2], bool same_surfaces);
+
 /// Stiffness per area in use [Pa/m] (per point [N/m] where no area is known).
 double lth_contact_stiffness(const LthContact *contact);

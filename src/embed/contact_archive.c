@@ -1,4 +1,4 @@
-/// Contact's memory from one step to the next, as bytes.
+/// Contact's memory from one step to the next: as bytes, and in another contact's place.
 #include "embed/contact_priv.h"
 
 static LitheStatus make_room(LthContact *c, LitheCount n) {
@@ -27,4 +27,46 @@ void lth_contact_archive(LthContact *c, LthArchive *a) {
   if (!a->is_reading || a->status != LITHE_OK) return;
   a->status = lth_contact_reserve(c->ctx, c);
   if (a->status == LITHE_OK) lth_contact_index(c);
+}
+
+/// A touching point with the numbers of now; false where one of its points is gone.
+static bool renumber(LthTouch *touch, const LitheIndex *const point_of[2]) {
+  for (int l = 0; l < touch->n_legs; l++) {
+    LitheIndex point = point_of[touch->leg[l].side][touch->leg[l].point];
+    if (point < 0) return false;
+    touch->leg[l].point = point;
+  }
+  touch->point = point_of[touch->side][touch->point];
+  return touch->point >= 0;
+}
+
+static bool comes_before(const LthTouch *a, const LthTouch *b) {
+  if (a->side != b->side) return a->side < b->side;
+  return a->other != b->other ? a->other < b->other : a->point < b->point;
+}
+
+LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *c, const LthContact *from,
+                                const LitheIndex *const point_of[2], bool same_surfaces) {
+  c->t = from->t;
+  c->dt = from->dt;
+  c->is_search = from->is_search;
+  c->stiffness = from->stiffness;
+  c->growth = from->growth;
+  c->penetration = from->penetration;
+  c->last_penetration = from->last_penetration;
+  c->force = from->force;
+  c->warned = from->warned;
+  c->started = from->started;
+  c->n_touch = 0;
+  for (LitheIndex i = 0; same_surfaces && i < from->n_touch; i++) {
+    LthTouch touch = from->touch[i];
+    if (!renumber(&touch, point_of)) continue;
+    LTH_RESERVE(ctx, c->touch, c->touch_cap, (LitheCount)c->n_touch + 1);
+    LitheIndex at = c->n_touch++; // near its place: numbers mostly ascend
+    for (; at > 0 && comes_before(&touch, c->touch + at - 1); at--) c->touch[at] = c->touch[at - 1];
+    c->touch[at] = touch;
+  }
+  LITHE_TRY(lth_contact_reserve(ctx, c));
+  lth_contact_index(c);
+  return LITHE_OK;
 }

@@ -6,6 +6,7 @@
 
 #include "base/tensor.h"
 #include "geometry/quadrature.h"
+#include "mesh/topology.h"
 #include "mesh/where.h"
 
 void lth_patches_destroy(LitheCtx *ctx, LthPatches **patches) {
@@ -137,7 +138,8 @@ LitheStatus lth_select_boundary(LitheCtx *ctx, const LthMesh *mesh, const LthWhe
   *patches = NULL;
   LITHE_TRY_OR(done, lth_where_prepare(ctx, mesh, where, &c.ready));
   for (LitheIndex f = 0; f < mesh->n_faces; f++)
-    if (mesh->face_cell[2 * f + 1] < 0) LITHE_TRY_OR(done, select_face(ctx, &c, f));
+    if (mesh->face_cell[2 * f + 1] < 0 && mesh->face_tag[f] > LTH_TAG_CUT)
+      LITHE_TRY_OR(done, select_face(ctx, &c, f));
   LITHE_TRY_OR(done, make_patches(ctx, &c, patches));
 done:
   collector_free(ctx, &c);

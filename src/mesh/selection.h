@@ -47,7 +47,7 @@ void lth_patches_destroy(LitheCtx *ctx, LthPatches **patches);
 /// The loops of piece i; normal is that of its face.
 LthFaceView lth_patches_view(const LthMesh *mesh, const LthPatches *patches, LitheIndex i);
 
-/// Select boundary pieces. An empty selection is not an error here (n = 0); the scene says so.
+/// Select boundary pieces; faces that a cut opened are none (LTH_TAG_CUT). An empty selection is not an error here (n = 0); the scene says so.
 LitheStatus lth_select_boundary(LitheCtx *ctx, const LthMesh *mesh, const LthWhere *where,
                                 LthPatches **patches);
 

@@ -2,6 +2,7 @@
 /// proportional to what is touched (Kaufmann et al. 2009, sections 9.2 to 9.6; docs/develop/topology.md).
 #pragma once
 
+#include "base/archive.h"
 #include "mesh/mesh.h"
 #include "mesh/piece.h"
 
@@ -30,7 +31,7 @@ typedef struct LthTopologyCell {
   bool is_live;
   bool is_new, is_changed; ///< in births or changed_cells of the log
   LitheIndex
-      before; ///< of new cells: record that it was a part of before the log began, -1 if merged
+      before; ///< of new cells: record that it was a part of before the log began, -1: parts of several
   LitheIndex into; ///< of dead cells: record that it was merged into, -1 if it was split
 } LthTopologyCell;
 
@@ -96,7 +97,7 @@ static inline double lth_topology_side(const LthTopology *t, LitheIndex face, Li
 /// Clear the log and let the numbers of dead records be used again.
 LitheStatus lth_topology_forget(LitheCtx *ctx, LthTopology *topology);
 
-/// The record that a cell was (a part of) before the log began, through splits; -1 for merged cells.
+/// The record that a cell was (a part of) before the log began, -1 where it has parts of several.
 static inline LitheIndex lth_topology_before(const LthTopology *t, LitheIndex cell) {
   return t->cells[cell].is_new ? t->cells[cell].before : cell;
 }
@@ -164,6 +165,10 @@ LitheStatus lth_topology_split_two(LitheCtx *ctx, LthTopology *topology, LitheIn
 /// were to 1e-12). LITHE_BAD_INPUT says what is wrong; it would be an error of the operations.
 LitheStatus lth_topology_check(LitheCtx *ctx, const LthTopology *topology, LitheIndex n,
                                const LitheIndex *cells);
+
+/// All of a topology whose log is empty, as bytes: the same records, and the same numbers for those to come. Reading
+/// replaces what is there.
+void lth_topology_archive(LthTopology *topology, LthArchive *archive);
 
 /// The given cells (NULL: all) as a mesh. Faces to other cells are boundary faces there. `cell_record` and `face_record`
 /// (may be NULL) receive the records of its cells and faces; the caller frees them. Where all are taken, the

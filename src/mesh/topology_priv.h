@@ -11,6 +11,7 @@
 ///   topology_merge.c   merging cells, slivers; topology_join.c: what is left of their faces
 ///   topology_mesh.c    the mesh of now
 ///   topology_check.c   invariants
+///   topology_archive.c all of it as bytes
 #pragma once
 
 #include "base/tensor.h"

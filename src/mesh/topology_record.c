@@ -194,7 +194,8 @@ LitheStatus lth_topology_note_birth(LitheCtx *ctx, LthTopology *t, LitheIndex ce
   LTH_RESERVE(ctx, log->births, log->births_cap, (LitheCount)log->n_births + 1);
   log->births[log->n_births++] = (LthTopologyBirth){cell, parent};
   LthTopologyCell *c = t->cells + cell;
-  c->before = c->is_new ? -1 : lth_topology_before(t, parent);
+  LitheIndex before = lth_topology_before(t, parent);
+  c->before = !c->is_new || c->before == before ? before : -1;
   c->is_new = true;
   return LITHE_OK;
 }

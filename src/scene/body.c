@@ -1,4 +1,5 @@
 /// Building a body from its scene: each arrow of the way from shape to simulation is one call here.
+#include "scene/change.h"
 #include "scene/staggered_body.h"
 
 #include <string.h>
@@ -118,7 +119,12 @@ void lth_body_elastic(const LthBody *body, LitheIndex cell, double *young, doubl
 static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
   uint8_t *degree = NULL;
   LTH_NEW(ctx, degree, body->mesh->n_cells);
-  LitheStatus status = lth_build_degrees(ctx, body, degree);
+  LitheStatus status = LITHE_OK;
+  if (body->change) // as its elements began
+    for (LitheIndex c = 0; c < body->mesh->n_cells; c++)
+      degree[c] = body->change->degree[body->change->cell_record[c]];
+  else
+    status = lth_build_degrees(ctx, body, degree);
   if (status == LITHE_OK) status = lth_dg_space_create(ctx, body->mesh, 0, degree, &body->space);
   lth_free(ctx, degree);
   return status;
@@ -131,8 +137,8 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
     LITHE_TRY(lth_build_nodes(ctx, body));
     return lth_build_loads(ctx, body);
   }
-  LITHE_TRY(build_space(ctx, body));
-  LITHE_TRY(lth_build_material(ctx, body));
+  if (!body->space) LITHE_TRY(build_space(ctx, body));
+  if (!body->label) LITHE_TRY(lth_build_material(ctx, body));
   LITHE_TRY(lth_build_constraints(ctx, body));
   LITHE_TRY(lth_build_loads(ctx, body));
   LITHE_TRY(build_operator(ctx, body));
@@ -154,23 +160,10 @@ LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const Lth
   return status;
 }
 
-static LitheStatus build_rest(LitheCtx *ctx, LthBody *body) {
-  lth_progress(ctx, "integrating", -1);
+LitheStatus lth_body_build_parts(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY(lth_body_build_conditions(ctx, body));
   LITHE_TRY(lth_build_embedding(ctx, body));
   return lth_build_contact(ctx, body);
-}
-
-LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
-                            double *times, LthBody **body) {
-  double start = lth_now();
-  LITHE_TRY(lth_body_create_mesh(ctx, scene, def, body));
-  double meshed = lth_now();
-  LitheStatus status = build_rest(ctx, *body);
-  if (status != LITHE_OK) lth_body_destroy(ctx, body);
-  times[0] += meshed - start;
-  times[1] += lth_now() - meshed;
-  return status;
 }
 
 static void free_patches(LitheCtx *ctx, LthBody *b) {
@@ -181,31 +174,36 @@ static void free_patches(LitheCtx *ctx, LthBody *b) {
   lth_free(ctx, b->places);
 }
 
+void lth_body_free_touch(LitheCtx *ctx, LthBody *b) {
+  lth_free(ctx, b->touch_point);
+  b->touch_point = NULL;
+  lth_embedding_destroy(ctx, &b->touch_embedding);
+  lth_surface_destroy(ctx, &b->touch);
+}
+
+void lth_body_free_parts(LitheCtx *ctx, LthBody *b) {
+  lth_contact_destroy(ctx, &b->contact);
+  lth_body_free_touch(ctx, b);
+  lth_embedding_destroy(ctx, &b->nodes);
+  lth_embedding_destroy(ctx, &b->embedding);
+  lth_disc_destroy(ctx, &b->disc);
+  lth_dg_operator_destroy(ctx, &b->op);
+  lth_dg_strong_destroy(ctx, &b->strong);
+  lth_cg_strong_destroy(ctx, &b->held_nodes);
+  free_patches(ctx, b);
+  void *blocks[] = {b->loads, b->weak,    b->weak_of, b->label,
+                    b->young, b->poisson, b->density, b->yield};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  lth_dg_space_destroy(ctx, &b->space);
+}
+
 void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   LthBody *b = *body;
   if (!b) return;
-  lth_contact_destroy(ctx, &b->contact);
-  lth_free(ctx, b->touch_point);
-  lth_embedding_destroy(ctx, &b->touch_embedding);
-  lth_surface_destroy(ctx, &b->touch);
-  lth_embedding_destroy(ctx, &b->nodes);
-  lth_embedding_destroy(ctx, &b->embedding);
+  lth_body_free_parts(ctx, b);
   lth_soup_destroy(ctx, &b->own_soup);
-  lth_disc_destroy(ctx, &b->disc);
-  lth_dg_operator_destroy(ctx, &b->op);
-  lth_free(ctx, b->loads);
-  lth_dg_strong_destroy(ctx, &b->strong);
-  lth_cg_strong_destroy(ctx, &b->held_nodes);
-  lth_free(ctx, b->weak);
-  lth_free(ctx, b->weak_of);
-  free_patches(ctx, b);
-  lth_free(ctx, b->label);
-  lth_free(ctx, b->young);
-  lth_free(ctx, b->poisson);
-  lth_free(ctx, b->density);
-  lth_free(ctx, b->yield);
-  lth_dg_space_destroy(ctx, &b->space);
   lth_staggered_body_destroy(ctx, &b->staggered);
+  lth_body_change_end(ctx, b);
   lth_mesh_destroy(ctx, &b->mesh);
   if (b->elements != b->def->elements) lth_element_mesh_destroy(ctx, &b->elements);
   lth_free(ctx, b->cell_element);

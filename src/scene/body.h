@@ -8,6 +8,7 @@
 #include "step/simulation.h"
 
 typedef struct LthStaggeredBody LthStaggeredBody; // staggered_body.h
+typedef struct LthBodyChange LthBodyChange;       // change.h
 
 /// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`. A staggered body has
 /// fractions in the place of a mesh, and neither mesh nor surface nor constants per cell.
@@ -18,6 +19,7 @@ typedef struct LthBody {
   // shape -> mesh (build_mesh.c)
   LthSurface *surface; ///< closed surface in scene axes; NULL for plain boxes of cells
   LthMesh *mesh;
+  LthBodyChange *change; ///< of bodies whose elements change; else NULL
   LthElementMesh
       *elements; ///< nodes and elements behind the mesh: of a file (then the scene's), or of cg
   LitheIndex *cell_element;    ///< element of each cell where they are not the same, or NULL
@@ -68,12 +70,16 @@ typedef struct LthBody {
   LitheCount first;   ///< first unknown of this body in it
 } LthBody;
 
-/// Build all of it but what is among bodies. `times` (2) += seconds spent on the mesh and on all integration.
-LitheStatus lth_body_create(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
-                            double *times, LthBody **body);
+/// Free all of a body.
 void lth_body_destroy(LitheCtx *ctx, LthBody **body);
 
-/// A body with its mesh and nothing else.
+/// Free what is built upon elements: all but shape, mesh, what may change of it, and the surface that follows.
+void lth_body_free_parts(LitheCtx *ctx, LthBody *body);
+
+/// Operator, contact and all else that follows from the mesh (and space and material where they are there).
+LitheStatus lth_body_build_parts(LitheCtx *ctx, LthBody *body);
+
+/// A body with its mesh and nothing else; lth_body_build_parts() goes on.
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
                                  LthBody **body);
 
@@ -142,6 +148,7 @@ LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_grid_nodes(LitheCtx *ctx, const LthBody *body, const LthEmbedding *surface,
                                  LthEmbedding **nodes);
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among several bodies
+void lth_body_free_touch(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
 
 /// Tessellate the shape where the body has no surface yet.

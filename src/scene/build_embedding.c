@@ -98,8 +98,9 @@ LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, c
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
-  LITHE_TRY(choose_soup(ctx, body));
-  warn_of_far_points(ctx, body);
+  bool is_first = !body->soup;
+  if (is_first) LITHE_TRY(choose_soup(ctx, body));
+  if (is_first) warn_of_far_points(ctx, body);
   LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
   LITHE_TRY_OR(done, known_cells(ctx, body, cells));
   LITHE_TRY_OR(done, lth_build_points(ctx, body, body->soup->n_points, body->soup->points, cells,

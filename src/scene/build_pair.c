@@ -64,6 +64,8 @@ void lth_world_free_ties(LitheCtx *ctx, LthWorld *world) {
     for (int s = 0; s < 2; s++) lth_patches_destroy(ctx, &world->ties[i].patches[s]);
   }
   lth_free(ctx, world->ties);
+  world->ties = NULL;
+  world->n_ties = 0;
 }
 
 static LthPairSide pair_side(const LthBody *body) {
@@ -127,4 +129,6 @@ void lth_world_free_pairs(LitheCtx *ctx, LthWorld *world) {
     for (int s = 0; s < 2; s++) lth_free(ctx, world->pairs[i].tied[s]);
   }
   lth_free(ctx, world->pairs);
+  world->pairs = NULL;
+  world->n_pairs = 0;
 }

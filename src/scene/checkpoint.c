@@ -3,6 +3,7 @@
 
 #include "io/checkpoint_file.h"
 #include "io/file.h"
+#include "scene/change.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -65,6 +66,8 @@ static void walk_warnings(LthArchive *a) {
 static void walk_world(LthArchive *a, LthWorld *world) {
   lth_archive_mark(a, "world");
   walk_warnings(a);
+  lth_world_change_archive(world, a);
+  if (a->status != LITHE_OK) return;
   lth_simulation_archive(world->sim, a);
 }
 

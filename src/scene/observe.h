@@ -27,6 +27,8 @@ LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *w
                             LthProbes **probes);
 LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i);
 LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *world);
+/// A probe stays in its body, in the element that holds it now.
+LitheStatus lth_probes_renew(LitheCtx *ctx, LthProbes *probes, const LthWorld *world);
 void lth_probes_archive(LthProbes *probes, LthArchive *archive);
 LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes);
 
@@ -34,6 +36,7 @@ LitheStatus lth_probes_close(LitheCtx *ctx, LthProbes **probes);
 typedef struct LthFields LthFields;
 LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                             LthFields **fields);
+LitheStatus lth_fields_renew(LitheCtx *ctx, LthFields *fields, const LthBody *body);
 LitheStatus lth_fields_frame(LitheCtx *ctx, LthFields *fields, const LthBody *body);
 void lth_fields_archive(LthFields *fields, LthArchive *archive);
 LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields);

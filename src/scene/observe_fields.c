@@ -2,6 +2,7 @@
 /// staggered bodies have in their place.
 #include "io/file.h"
 #include "io/vtu.h"
+#include "scene/change.h"
 #include "scene/measure.h"
 #include "scene/observe.h"
 #include "scene/observe_grid.h"
@@ -41,8 +42,26 @@ static LitheStatus allocate(LitheCtx *ctx, const LthBody *body, LthFields *f) {
   for (LitheIndex c = 0; c < n_cells; c++) {
     f->degree[c] = body->disc->cell_degree[c];
     f->label[c] = body->label[c];
+    if (body->change) f->level[c] = body->change->level[body->change->cell_record[c]];
   }
   return LITHE_OK;
+}
+
+static void free_arrays(LitheCtx *ctx, LthFields *f) {
+  lth_vtu_topology_destroy(ctx, &f->topology);
+  void *blocks[] = {f->cell_point_off, f->cell_mesh_point, f->points, f->displacement, f->velocity,
+                    f->stress,         f->von_mises,       f->degree, f->level,        f->label};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  f->cell_point_off = NULL;
+  f->cell_mesh_point = NULL;
+  f->points = f->displacement = f->velocity = f->stress = f->von_mises = NULL;
+  f->degree = f->level = f->label = NULL;
+}
+
+LitheStatus lth_fields_renew(LitheCtx *ctx, LthFields *f, const LthBody *body) {
+  if (body->staggered || !body->scene->fields_vtu) return LITHE_OK;
+  free_arrays(ctx, f);
+  return allocate(ctx, body, f);
 }
 
 LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *body,
@@ -206,19 +225,9 @@ LitheStatus lth_fields_close(LitheCtx *ctx, LthFields **fields) {
   LitheStatus status = LITHE_OK;
   if (f->n_frames > 0) status = remove_later(ctx, f);
   lth_grid_fields_close(ctx, &f->grid);
-  lth_vtu_topology_destroy(ctx, &f->topology);
+  free_arrays(ctx, f);
   lth_free(ctx, f->folder);
   lth_free(ctx, f->stem);
-  lth_free(ctx, f->cell_point_off);
-  lth_free(ctx, f->cell_mesh_point);
-  lth_free(ctx, f->points);
-  lth_free(ctx, f->displacement);
-  lth_free(ctx, f->velocity);
-  lth_free(ctx, f->stress);
-  lth_free(ctx, f->von_mises);
-  lth_free(ctx, f->degree);
-  lth_free(ctx, f->level);
-  lth_free(ctx, f->label);
   lth_free(ctx, f->times);
   lth_free(ctx, f);
   *fields = NULL;

@@ -114,6 +114,17 @@ LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *w
   return open_csv(ctx, folder, world->scene, resumes, p);
 }
 
+LitheStatus lth_probes_renew(LitheCtx *ctx, LthProbes *p, const LthWorld *world) {
+  for (LitheIndex i = 0; i < p->n; i++) {
+    const LthBody *body = world->bodies[p->body[i]];
+    bool inside;
+    if (body->change)
+      LITHE_TRY(
+          lth_disc_find_cell(ctx, body->disc, p->at + 3 * (LitheCount)i, p->cell + i, &inside));
+  }
+  return LITHE_OK;
+}
+
 LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i) {
   LthProbeValue value;
   const LthBody *body = world->bodies[probes->body[i]];

@@ -56,6 +56,15 @@ LitheStatus lth_output_open(LitheCtx *ctx, const char *folder, const LthWorld *w
   return status;
 }
 
+LitheStatus lth_output_renew(LitheCtx *ctx, LthOutput *out, const LthWorld *world) {
+  LITHE_TRY(lth_probes_renew(ctx, out->probes, world));
+  for (LitheIndex b = 0; b < out->n_bodies; b++) {
+    const LthBody *body = world->bodies[b];
+    if (body->change) LITHE_TRY(lth_fields_renew(ctx, out->fields[b], body));
+  }
+  return LITHE_OK;
+}
+
 LitheStatus lth_output_frame(LitheCtx *ctx, LthOutput *out, const LthWorld *world) {
   double start = lth_now();
   lth_simulation_measure(ctx, world->sim);

@@ -25,6 +25,9 @@ LitheStatus lth_output_open(LitheCtx *ctx, const char *folder, const LthWorld *w
 /// How far all files are. Reading cuts them there.
 void lth_output_archive(LthOutput *out, LthArchive *archive);
 
+/// Bodies have other elements than before.
+LitheStatus lth_output_renew(LitheCtx *ctx, LthOutput *out, const LthWorld *world);
+
 /// Write the present state.
 LitheStatus lth_output_frame(LitheCtx *ctx, LthOutput *out, const LthWorld *world);
 

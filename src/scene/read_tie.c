@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-/// Which body has this name; reports one that none has.
-static LitheIndex find_body(LthReader *r, LthNode *name) {
+LitheIndex lth_find_body(LthReader *r, LthNode *name) {
   const LthScene *scene = r->scene;
   if (name->bad || name->kind != LTH_NODE_SCALAR) return -1;
   for (LitheIndex b = 0; b < scene->n_bodies; b++)
@@ -21,7 +20,7 @@ static LitheStatus read_tie(LthReader *r, const LthNode *node, LthSceneTie *tie)
   tie->place = lth_report_place(r->report, node);
   tie->body[0] = tie->body[1] = -1;
   for (LthNode *name = names ? names->first : NULL; name && i < 2; name = name->next, i++)
-    tie->body[i] = find_body(r, name);
+    tie->body[i] = lth_find_body(r, name);
   if (tie->body[0] >= 0 && tie->body[0] == tie->body[1])
     lth_report(r->report, names->first->next,
                "a body cannot be tied to itself, got %s twice; expected two bodies",

@@ -1,6 +1,7 @@
 /// result.json: the figures of a whole run.
 #pragma once
 
+#include "io/json.h"
 #include "lithe/run.h"
 #include "scene/measure.h"
 #include "scene/output.h"
@@ -17,6 +18,9 @@ typedef struct LthResultInput {
   LthTimes times;
   double condition; ///< NaN: not asked for
 } LthResultInput;
+
+/// Section `topology`, where something has changed (result_change.c).
+void lth_result_put_changes(LthJson *json, const LthWorld *world);
 
 /// Text of the result, freed by lth_free(), and the figures that a summary shows.
 LitheStatus lth_result_text(LitheCtx *ctx, const LthResultInput *input, LitheRunSummary *summary,

@@ -4,6 +4,7 @@
 #include "io/file.h"
 #include "io/matrix_market.h"
 #include "scene/checkpoint.h"
+#include "scene/cut.h"
 #include "scene/result.h"
 #include "scene/run_look.h"
 #include "scene/scene_public.h"
@@ -54,6 +55,13 @@ static LitheStatus write_frame(LitheCtx *ctx, Run *run) {
   return run->look->look(run->look->user, ctx, run->world, run->out.n_frames - 1);
 }
 
+/// Cuts that are due before the step to the time `to`.
+static LitheStatus change(LitheCtx *ctx, Run *run, double to) {
+  bool changed;
+  LITHE_TRY(lth_world_cut_due(ctx, run->world, to, &changed));
+  return changed ? lth_output_renew(ctx, &run->out, run->world) : LITHE_OK;
+}
+
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
 static LitheStatus step(LitheCtx *ctx, const Run *run, double dt, double to) {
@@ -77,6 +85,7 @@ static LitheStatus advance(LitheCtx *ctx, Run *run) {
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     lth_progress(ctx, "simulating", s->duration > 0 ? done / s->duration : -1);
     double dt = (end - begin) / (double)n;
+    LITHE_TRY(change(ctx, run, begin + dt * (i + 1)));
     LITHE_TRY(step(ctx, run, dt, begin + dt * (i + 1)));
   }
   lth_simulation_set_time(run->world->sim, end);

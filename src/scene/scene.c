@@ -31,6 +31,7 @@ static LitheStatus read_parts(LthReader *r) {
   lth_read_time(r);
   LITHE_TRY(lth_read_bodies(r));
   LITHE_TRY(lth_read_ties(r));
+  LITHE_TRY(lth_read_cuts(r));
   LITHE_TRY(lth_read_colliders(r));
   lth_read_contact(r);
   lth_read_solver(r);

@@ -9,6 +9,7 @@
 #include "geometry/shape.h"
 #include "material/material.h"
 #include "mesh/element_mesh.h"
+#include "mesh/piece.h"
 #include "mesh/selection.h"
 #include "step/simulation.h"
 
@@ -115,6 +116,18 @@ typedef struct LthSceneTie {
   LthWhere where;
 } LthSceneTie;
 
+typedef enum LthCutKind { LTH_CUT_PLANE, LTH_CUT_BLADE, LTH_CUT_CARVE } LthCutKind;
+
+/// A cut, as `cuts` has it.
+typedef struct LthSceneCut {
+  const char *place; ///< "scene.yaml:20:5: cuts.0", for messages
+  double at;         ///< [s]
+  LitheIndex body;   ///< -1: all
+  bool at_rest;      ///< places are those at rest, else those of the moment
+  LthCutKind kind;
+  LthPlane plane;
+} LthSceneCut;
+
 typedef enum LthTimeKind { LTH_TIME_STATIC, LTH_TIME_QUASISTATIC, LTH_TIME_DYNAMIC } LthTimeKind;
 
 /// What touches. Auto: see build_contact.c.
@@ -146,6 +159,8 @@ typedef struct LthScene {
   LthContactPoints contact_points;
   LthSceneTie *ties;
   LitheIndex n_ties;
+  LthSceneCut *cuts;
+  LitheIndex n_cuts;
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic

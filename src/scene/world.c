@@ -2,6 +2,7 @@
 #include "scene/world.h"
 
 #include "base/tensor.h"
+#include "scene/cut.h"
 #include "system/free_motion.h"
 
 #include <math.h>
@@ -96,6 +97,7 @@ static LitheStatus allocate(LitheCtx *ctx, const LthScene *scene, LthWorld **wor
   LTH_NEW(ctx, *world, 1);
   (*world)->scene = scene;
   LTH_NEW(ctx, (*world)->bodies, scene->n_bodies);
+  LTH_NEW(ctx, (*world)->cut_done, scene->n_cuts);
   return LITHE_OK;
 }
 
@@ -105,7 +107,7 @@ LitheStatus lth_world_create_meshes(LitheCtx *ctx, const LthScene *scene, LthWor
   for (; w->n_bodies < scene->n_bodies; w->n_bodies++)
     LITHE_TRY(
         lth_body_create_mesh(ctx, scene, scene->bodies + w->n_bodies, w->bodies + w->n_bodies));
-  return LITHE_OK;
+  return lth_world_cut_first(ctx, w);
 }
 
 LitheStatus lth_world_check(LitheCtx *ctx, LthWorld *world) {
@@ -113,37 +115,39 @@ LitheStatus lth_world_check(LitheCtx *ctx, LthWorld *world) {
     LITHE_TRY(lth_body_build_conditions(ctx, world->bodies[b]));
   LITHE_TRY(lth_world_build_ties(ctx, world));
   if (world->scene->time_kind == LTH_TIME_DYNAMIC) return LITHE_OK;
-  LITHE_TRY(build_system(ctx, world));
-  return check_held(ctx, world);
+  return lth_world_build_system(ctx, world);
 }
 
-static LitheStatus build_simulation(LitheCtx *ctx, LthWorld *w) {
+LitheStatus lth_world_build_system(LitheCtx *ctx, LthWorld *w) {
+  LITHE_TRY(build_system(ctx, w));
+  return check_held(ctx, w);
+}
+
+LitheStatus lth_world_create_simulation(LitheCtx *ctx, LthWorld *w) {
   LthStepOptions options = step_options(w->scene);
   LITHE_TRY(lth_simulation_create(ctx, w->system, &options, &w->sim));
   for (LitheIndex b = 0; b < w->n_bodies; b++) {
     w->bodies[b]->sim = w->sim;
     w->bodies[b]->first = w->system->dof_first[b];
-    LITHE_TRY(lth_build_initial(ctx, w->bodies[b]));
   }
   return LITHE_OK;
 }
 
 LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times,
                              LthWorld **world) {
-  times[0] = times[1] = 0;
-  LITHE_TRY(allocate(ctx, scene, world));
-  LthWorld *w = *world;
-  for (; w->n_bodies < scene->n_bodies; w->n_bodies++)
-    LITHE_TRY(
-        lth_body_create(ctx, scene, scene->bodies + w->n_bodies, times, w->bodies + w->n_bodies));
   double start = lth_now();
+  LITHE_TRY(lth_world_create_meshes(ctx, scene, world));
+  LthWorld *w = *world;
+  times[0] = lth_now() - start;
+  lth_progress(ctx, "integrating", -1);
+  for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_body_build_parts(ctx, w->bodies[b]));
   LITHE_TRY(lth_world_build_ties(ctx, w));
   LITHE_TRY(lth_world_build_pairs(ctx, w));
-  LITHE_TRY(build_system(ctx, w));
-  LITHE_TRY(check_held(ctx, w));
-  LITHE_TRY(build_simulation(ctx, w));
-  times[1] += lth_now() - start;
-  return LITHE_OK;
+  LITHE_TRY(lth_world_build_system(ctx, w));
+  LITHE_TRY(lth_world_create_simulation(ctx, w));
+  for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_build_initial(ctx, w->bodies[b]));
+  times[1] = lth_now() - start - times[0];
+  return lth_world_settle_notes(ctx, w);
 }
 
 void lth_world_destroy(LitheCtx *ctx, LthWorld **world) {
@@ -155,6 +159,8 @@ void lth_world_destroy(LitheCtx *ctx, LthWorld **world) {
   lth_world_free_ties(ctx, w);
   for (LitheIndex b = 0; w->bodies && b < w->n_bodies; b++) lth_body_destroy(ctx, w->bodies + b);
   lth_free(ctx, w->bodies);
+  lth_free(ctx, w->cut_done);
+  lth_free(ctx, w->notes);
   lth_free(ctx, w);
   *world = NULL;
 }

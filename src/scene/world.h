@@ -18,6 +18,29 @@ typedef struct LthWorldPair {
   LthContact *contact;
 } LthWorldPair;
 
+/// What a change of elements was.
+typedef enum LthChangeKind {
+  LTH_CHANGE_PLANE,
+  LTH_CHANGE_BLADE,
+  LTH_CHANGE_CARVE,
+  LTH_CHANGE_ADAPT
+} LthChangeKind;
+
+/// One change of one body, as result.json tells it.
+typedef struct LthChangeNote {
+  LthChangeKind kind;
+  double t;             ///< [s]
+  LitheIndex body, cut; ///< of the scene; cut -1: another change
+  LitheIndex n_split, n_separated, n_merged,
+      n_removed;                ///< elements split, faces parted, elements merged, taken away
+  double area;                  ///< of one side of a cut [m^2]
+  double volume;                ///< of the body after it [m^3]
+  LitheIndex elements;          ///< after it
+  LitheCount unknowns;          ///< after it
+  LitheIndex pieces;            ///< parts of the body that do not hang together, after it
+  double strain[2], kinetic[2]; ///< of all bodies before and after [J]; 0 before the first solve
+} LthChangeNote;
+
 typedef struct LthWorld {
   const LthScene *scene;
   LitheIndex n_bodies;
@@ -28,6 +51,13 @@ typedef struct LthWorld {
   LitheIndex n_pairs;
   LthSystem *system;
   LthSimulation *sim;
+
+  // what has changed so far (change.h); none but where the scene has cuts or adapt
+  bool *cut_done; ///< (scene->n_cuts)
+  LthChangeNote *notes;
+  LitheIndex n_notes, n_settled; ///< settled: energies are known
+  LitheCount cap_notes;
+  LitheIndex n_renewals;
 } LthWorld;
 
 /// Build everything that a run needs. `times` (2): seconds spent on meshes and on all integration.
@@ -35,6 +65,9 @@ LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times
 void lth_world_destroy(LitheCtx *ctx, LthWorld **world);
 
 /// What is between bodies that are built (build_pair.c): ties first, then contact of every two.
+LitheStatus lth_world_build_system(LitheCtx *ctx, LthWorld *world); ///< and what static runs need
+LitheStatus lth_world_create_simulation(LitheCtx *ctx,
+                                        LthWorld *world); ///< bodies take their places
 LitheStatus lth_world_build_ties(LitheCtx *ctx, LthWorld *world);
 LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world);
 void lth_world_free_ties(LitheCtx *ctx, LthWorld *world);

@@ -102,6 +102,14 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *sim, double
 /// or inwards; inwards `sim` was created from the same definition.
 void lth_simulation_archive(LthSimulation *sim, LthArchive *archive);
 
+/// A field of coefficients of one system as that of another: `to` (n of the new one) is zero before.
+typedef LitheStatus LthFieldMove(LitheCtx *ctx, const void *self, const double *from, double *to);
+
+/// Go on in the place of another simulation, whose system had other unknowns: position and velocity, time, totals and
+/// what the integrator remembers. Solvers learn anew.
+LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *sim, const LthSimulation *from,
+                                   LthFieldMove *move, const void *self);
+
 /// Recompute energies, momenta and work of the present state.
 void lth_simulation_measure(LitheCtx *ctx, LthSimulation *sim);
 const LthStepReport *lth_simulation_report(const LthSimulation *sim);

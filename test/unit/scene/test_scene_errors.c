@@ -71,8 +71,9 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("bodies.0.method.mesh=voxels",
                         "--set bodies.0.method.mesh=voxels: bodies.0.method.mesh: it is of `kind: "
                         "cg`, got \"voxels\"; expected slice, hexahedra or tetrahedra");
-  EXPECT_OVERRIDE_ERROR("cuts=[{at: 1}]",
-                        "--set cuts=[{at: 1}]: cuts: " UNBUILT "a list of 1; leave it out");
+  EXPECT_OVERRIDE_ERROR("cuts=[{at: 0}]",
+                        "--set cuts=[{at: 0}]: cuts.0: incomplete, got none of the keys it needs; "
+                        "expected exactly one of plane");
   EXPECT_OVERRIDE_ERROR("adapt={h: {}}",
                         "--set adapt={h: {}}: adapt: " UNBUILT "a mapping; leave it out");
   EXPECT_OVERRIDE_ERROR("solver.linear=petsc",

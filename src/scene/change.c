@@ -1,0 +1,145 @@
+/// What a body whose elements change has besides its mesh: topology, numbers, degrees, notes.
+#include "scene/change.h"
+
+#include <string.h>
+
+static LitheStatus list_records(LitheCtx *ctx, const LthMesh *mesh, LthBodyChange *c) {
+  LTH_NEW(ctx, c->cell_record, mesh->n_cells);
+  LTH_NEW(ctx, c->face_record, mesh->n_faces);
+  for (LitheIndex i = 0; i < mesh->n_cells; i++) c->cell_record[i] = i;
+  for (LitheIndex i = 0; i < mesh->n_faces; i++) c->face_record[i] = i;
+  return LITHE_OK;
+}
+
+/// Cells of the body's mesh by record.
+static LitheStatus index_records(LitheCtx *ctx, LitheIndex n_cells, LthBodyChange *c) {
+  c->n_records = c->topology->n_cells;
+  LTH_RESERVE(ctx, c->record_cell, c->cap_record_cell, c->n_records);
+  for (LitheIndex i = 0; i < c->n_records; i++) c->record_cell[i] = -1;
+  for (LitheIndex i = 0; i < n_cells; i++) c->record_cell[c->cell_record[i]] = i;
+  return LITHE_OK;
+}
+
+/// Arrays by record as long as the topology; what is new is zero.
+static LitheStatus make_room(LitheCtx *ctx, LthBodyChange *c) {
+  LitheCount n = c->topology->n_cells, had_level = c->cap_level, had_degree = c->cap_degree;
+  LTH_RESERVE(ctx, c->level, c->cap_level, n);
+  LTH_RESERVE(ctx, c->degree, c->cap_degree, n);
+  memset(c->level + had_level, 0, (size_t)(c->cap_level - had_level));
+  memset(c->degree + had_degree, 0, (size_t)(c->cap_degree - had_degree));
+  return LITHE_OK;
+}
+
+LitheStatus lth_body_change_begin(LitheCtx *ctx, LthBody *body) {
+  if (body->def->method_kind != LTH_METHOD_DG)
+    LITHE_FAIL(ctx, LITHE_UNSUPPORTED,
+               "%s.method: cuts and adapt need elements that can be cut, which are those of "
+               "`kind: dg`",
+               body->def->place);
+  LTH_NEW(ctx, body->change, 1);
+  LthBodyChange *c = body->change;
+  c->first = body->mesh;
+  LITHE_TRY(lth_topology_create(ctx, body->mesh, &c->topology));
+  LITHE_TRY(list_records(ctx, body->mesh, c));
+  LITHE_TRY(index_records(ctx, body->mesh->n_cells, c));
+  LITHE_TRY(make_room(ctx, c));
+  return lth_build_degrees(ctx, body, c->degree);
+}
+
+void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
+  LthBodyChange *c = body->change;
+  if (!c) return;
+  if (c->first != body->mesh) lth_mesh_destroy(ctx, &c->first);
+  lth_mesh_destroy(ctx, &c->atoms);
+  lth_topology_destroy(ctx, &c->topology);
+  void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
+                    c->degree,      c->atom_record, c->planes,      c};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  body->change = NULL;
+}
+
+LitheStatus lth_body_change_inherit(LitheCtx *ctx, LthBody *body) {
+  LthBodyChange *c = body->change;
+  const LthTopologyLog *log = &c->topology->log;
+  LITHE_TRY(make_room(ctx, c));
+  for (LitheIndex i = 0; i < log->n_births; i++) {
+    LitheIndex cell = log->births[i].cell, parent = log->births[i].parent;
+    if (c->degree[cell] > 0) continue;
+    c->degree[cell] = c->degree[parent];
+    c->level[cell] = c->level[parent];
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body) {
+  LthBodyChange *c = body->change;
+  LITHE_ASSERT(!c->atoms);
+  LITHE_TRY(lth_body_change_inherit(ctx, body));
+  return lth_topology_mesh(ctx, c->topology, 0, NULL, &c->atoms, &c->atom_record, NULL);
+}
+
+bool lth_body_has_changed(const LthBody *body) {
+  if (!body->change) return false;
+  const LthTopologyLog *log = &body->change->topology->log;
+  return log->n_births > 0 || log->n_dead_cells > 0 || log->n_dead_faces > 0;
+}
+
+LitheStatus lth_body_note_plane(LitheCtx *ctx, LthBody *body, const LthCutPlane *plane) {
+  LthBodyChange *c = body->change;
+  LTH_RESERVE(ctx, c->planes, c->cap_planes, (LitheCount)c->n_planes + 1);
+  c->planes[c->n_planes++] = *plane;
+  return LITHE_OK;
+}
+
+/// Records that are free from now on have neither level nor degree.
+static void clear_dead(LthBodyChange *c) {
+  const LthTopologyLog *log = &c->topology->log;
+  for (LitheIndex i = 0; i < log->n_dead_cells; i++)
+    c->level[log->dead_cells[i]] = c->degree[log->dead_cells[i]] = 0;
+}
+
+LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
+                                   LitheIndex *face_record) {
+  LthBodyChange *c = body->change;
+  lth_free(ctx, c->cell_record);
+  lth_free(ctx, c->face_record);
+  c->cell_record = cell_record;
+  c->face_record = face_record;
+  clear_dead(c);
+  lth_mesh_destroy(ctx, &c->atoms);
+  lth_free(ctx, c->atom_record);
+  c->atom_record = NULL;
+  LITHE_TRY(lth_topology_forget(ctx, c->topology));
+  return index_records(ctx, body->mesh->n_cells, c);
+}
+
+LitheStatus lth_body_present_mesh(LitheCtx *ctx, const LthBody *body, LthMesh **mesh,
+                                  LitheIndex **cell_record, LitheIndex **face_record) {
+  const LthBodyChange *c = body->change;
+  LITHE_TRY(lth_topology_mesh(ctx, c->topology, 0, NULL, mesh, cell_record, face_record));
+  return lth_topology_groups(ctx, c->topology, c->first, *cell_record, *face_record, *mesh);
+}
+
+LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body) {
+  LthBodyChange *c = body->change;
+  LthMesh *mesh = NULL;
+  LitheIndex *cell_record = NULL, *face_record = NULL;
+  LITHE_TRY(lth_body_change_inherit(ctx, body));
+  LitheStatus status = lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record);
+  if (status != LITHE_OK) {
+    lth_mesh_destroy(ctx, &mesh);
+    lth_free(ctx, cell_record);
+    lth_free(ctx, face_record);
+    return status;
+  }
+  mesh->n_merged += body->mesh->n_merged;
+  if (body->mesh != c->first) lth_mesh_destroy(ctx, &body->mesh);
+  body->mesh = mesh;
+  return lth_body_change_number(ctx, body, cell_record, face_record);
+}
+
+LitheStatus lth_world_note(LitheCtx *ctx, LthWorld *world, const LthChangeNote *note) {
+  LTH_RESERVE(ctx, world->notes, world->cap_notes, (LitheCount)world->n_notes + 1);
+  world->notes[world->n_notes++] = *note;
+  return LITHE_OK;
+}

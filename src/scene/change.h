@@ -1,0 +1,88 @@
+/// Bodies whose elements change while they are simulated: what their mesh has to do with the topology, and the renewal
+/// of all that is built upon elements (docs/develop/topology.md, section 6).
+///
+/// A change goes one way: operations on the topology of one or more bodies, splits first, then, where something is to be
+/// merged, lth_body_change_hold() and the merges, then lth_world_renew(), then the observers (lth_output_renew()).
+#pragma once
+
+#include "mesh/topology.h"
+#include "scene/world.h"
+
+/// A cell that a plane went through, in the order of the cuts: what else lies along it (an embedded surface) is cut too.
+typedef struct LthCutPlane {
+  LitheIndex tag;  ///< of the faces that it made: LTH_TAG_CUT - k, or -1 where it divides only
+  LitheIndex cell; ///< record before it was split; readable until the log is forgotten
+  LthPlane plane;  ///< at rest
+} LthCutPlane;
+
+/// What a body with `cuts` or `adapt` has besides its mesh. Records are those of the topology; arrays by record
+/// are as long as lth_body_change_inherit() made them.
+struct LthBodyChange {
+  LthTopology *topology;
+  LthMesh
+      *first; ///< the mesh that it began with: groups and sources; the body's mesh until a change
+  LitheIndex n_cuts; ///< numbers of cuts given out: the next tag is LTH_TAG_CUT - n_cuts
+
+  // of the body's present mesh
+  LitheIndex *cell_record; ///< (mesh->n_cells)
+  LitheIndex *face_record; ///< (mesh->n_faces)
+  LitheIndex *record_cell; ///< (n_records) -1: not in it
+  LitheIndex n_records;
+
+  // by record; 0 at records that nobody has set yet
+  uint8_t *level;  ///< times that a cell was refined
+  uint8_t *degree; ///< of its polynomials
+  LitheCount cap_record_cell, cap_level, cap_degree;
+
+  // cells between splits and merges
+  LthMesh *atoms; ///< NULL: nothing was merged
+  LitheIndex *atom_record;
+
+  LthCutPlane *planes; ///< since the last renewal
+  LitheIndex n_planes;
+  LitheCount cap_planes;
+};
+
+/// Let the elements of a dg body change from now on: its topology begins with its mesh. LITHE_UNSUPPORTED: a body of
+/// another method.
+LitheStatus lth_body_change_begin(LitheCtx *ctx, LthBody *body);
+void lth_body_change_end(LitheCtx *ctx, LthBody *body);
+
+/// Give births level and degree of their (first) parent, where they have none yet.
+LitheStatus lth_body_change_inherit(LitheCtx *ctx, LthBody *body);
+
+/// Between splits and merges: remember the cells of now, of which each is a part of one old cell and of one new one.
+LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body);
+
+/// True where the log of a body's topology has something to follow.
+bool lth_body_has_changed(const LthBody *body);
+
+/// Note that a plane goes through a cell.
+LitheStatus lth_body_note_plane(LitheCtx *ctx, LthBody *body, const LthCutPlane *plane);
+
+/// Replace the mesh of a body on which nothing is built yet by that of its topology, and forget the log.
+LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body);
+
+/// The mesh of a body's topology with the groups of the first; the caller frees all three, after a failure too.
+LitheStatus lth_body_present_mesh(LitheCtx *ctx, const LthBody *body, LthMesh **mesh,
+                                  LitheIndex **cell_record, LitheIndex **face_record);
+
+/// Take over what lth_body_present_mesh() gave, when body->mesh is that; forget the log.
+LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
+                                   LitheIndex *face_record);
+
+/// Append a note on a change.
+LitheStatus lth_world_note(LitheCtx *ctx, LthWorld *world, const LthChangeNote *note);
+
+/// Figures of the notes since the last call, but for energies.
+LitheStatus lth_world_settle_notes(LitheCtx *ctx, LthWorld *world);
+
+/// Follow the changes of all bodies' topologies: new meshes, spaces, operators, embeddings, contacts, couplings, system
+/// and simulation; position, velocity, time, totals, the integrator's history and contact's anchors are carried over.
+/// Kept cells have their bases and coefficients to the bit, parts of cells the same polynomial. Notes since the last
+/// renewal get energies and figures. LITHE_BAD_INPUT: a static run with a piece that nothing holds. After a failure
+/// the world may only be destroyed.
+LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world);
+
+/// The elements of all bodies and the notes, so that another process has them to the bit. Reading renews the world.
+void lth_world_change_archive(LthWorld *world, LthArchive *archive);

@@ -1,0 +1,292 @@
+/// Renewal of a world whose bodies have other elements than before.
+#include "scene/renew.h"
+
+#include <string.h>
+
+void lth_renewal_free(LitheCtx *ctx, LthRenewal *r) {
+  lth_free(ctx, r->touch_point);
+  lth_embedding_destroy(ctx, &r->touch_embedding);
+  lth_surface_destroy(ctx, &r->touch);
+  if (r->old.def) lth_body_free_parts(ctx, &r->old);
+  if (r->old.mesh != r->first) lth_mesh_destroy(ctx, &r->old.mesh);
+  lth_mesh_destroy(ctx, &r->atoms);
+  lth_free(ctx, r->from_cell);
+  lth_free(ctx, r->to_cell);
+  *r = (LthRenewal){0};
+}
+
+// --- space ---
+
+/// A new cell keeps the basis that its record had.
+static bool is_kept(const LthBody *body, const LthBody *old, LitheIndex record) {
+  const LthBodyChange *c = body->change;
+  if (c->topology->cells[record].is_new || record >= c->n_records) return false;
+  LitheIndex cell = c->record_cell[record];
+  return cell >= 0 && old->space->degree[cell] == c->degree[record];
+}
+
+/// Bases of cells that had none: on a mesh of these alone.
+static LitheStatus build_fresh(LitheCtx *ctx, const LthBody *body, LitheIndex n,
+                               const LitheIndex *records, LthMesh **mesh, LthDgSpace **space) {
+  const LthBodyChange *c = body->change;
+  uint8_t *degree = NULL;
+  LITHE_TRY(lth_topology_mesh(ctx, c->topology, n, records, mesh, NULL, NULL));
+  LTH_NEW(ctx, degree, n);
+  for (LitheIndex i = 0; i < n; i++) degree[i] = c->degree[records[i]];
+  LitheStatus status = lth_dg_space_create(ctx, *mesh, 0, degree, space);
+  lth_free(ctx, degree);
+  return status;
+}
+
+static LitheStatus renew_space(LitheCtx *ctx, LthBody *body, const LthBody *old,
+                               const LitheIndex *cell_record) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = body->mesh->n_cells, n_fresh = 0, *fresh = NULL, *of = NULL;
+  uint8_t *from = NULL;
+  LthMesh *mesh = NULL;
+  LthDgSpace *space = NULL;
+  LTH_NEW_OR(done, ctx, fresh, n);
+  LTH_NEW_OR(done, ctx, of, n);
+  LTH_NEW_OR(done, ctx, from, n);
+  for (LitheIndex i = 0; i < n; i++) {
+    from[i] = !is_kept(body, old, cell_record[i]);
+    of[i] = from[i] ? n_fresh : body->change->record_cell[cell_record[i]];
+    if (from[i]) fresh[n_fresh++] = cell_record[i];
+  }
+  if (n_fresh > 0) LITHE_TRY_OR(done, build_fresh(ctx, body, n_fresh, fresh, &mesh, &space));
+  const LthDgSpace *spaces[2] = {old->space, space};
+  LITHE_TRY_OR(done, lth_dg_space_gather(ctx, body->mesh, spaces, from, of, &body->space));
+done:
+  lth_dg_space_destroy(ctx, &space);
+  lth_mesh_destroy(ctx, &mesh);
+  lth_free(ctx, fresh);
+  lth_free(ctx, of);
+  lth_free(ctx, from);
+  return status;
+}
+
+// --- what old and new cells have in common ---
+
+/// Atoms are the cells before merges, or where nothing was merged the new ones.
+static LitheStatus find_atoms(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
+                              LthRenewal *r) {
+  LthBodyChange *c = body->change;
+  const LthTopology *t = c->topology;
+  const LitheIndex *record = c->atoms ? c->atom_record : cell_record;
+  r->atoms = c->atoms;
+  c->atoms = NULL;
+  const LthMesh *atoms = lth_renewal_atoms(r, body);
+  LitheIndex *place = NULL;
+  LTH_NEW(ctx, r->from_cell, atoms->n_cells);
+  LTH_NEW(ctx, r->to_cell, atoms->n_cells);
+  LTH_NEW(ctx, place, t->n_cells);
+  for (LitheIndex i = 0; i < body->mesh->n_cells; i++) place[cell_record[i]] = i;
+  for (LitheIndex i = 0; i < atoms->n_cells; i++) {
+    LitheIndex before = lth_topology_before(t, record[i]), now = lth_topology_now(t, record[i]);
+    LITHE_ASSERT(before >= 0 && now >= 0); // merges come after lth_body_change_hold()
+    r->from_cell[i] = c->record_cell[before];
+    r->to_cell[i] = place[now];
+  }
+  lth_free(ctx, place);
+  return LITHE_OK;
+}
+
+// --- material ---
+
+/// A cell that is (a part of) one old cell has its constants to the bit; merged ones have means by volume, so that
+/// mass is kept, and the entry of their largest part.
+static LitheStatus inherit_material(LitheCtx *ctx, LthBody *body, const LthRenewal *r) {
+  const LthMesh *atoms = lth_renewal_atoms(r, body);
+  LitheIndex n = body->mesh->n_cells;
+  double *volume = NULL, *largest = NULL;
+  LitheStatus status = LITHE_OK;
+  LTH_NEW_OR(done, ctx, body->label, n);
+  LTH_NEW_OR(done, ctx, body->young, n);
+  LTH_NEW_OR(done, ctx, body->poisson, n);
+  LTH_NEW_OR(done, ctx, body->density, n);
+  LTH_NEW_OR(done, ctx, body->yield, n);
+  LTH_NEW_OR(done, ctx, volume, n);
+  LTH_NEW_OR(done, ctx, largest, n);
+  for (LitheIndex i = 0; i < atoms->n_cells; i++) {
+    LitheIndex from = r->from_cell[i], to = r->to_cell[i];
+    double v = atoms->cell_volume[i], share = volume[to] > 0 ? v / (volume[to] + v) : 1;
+    volume[to] += v;
+    body->young[to] += share * (r->old.young[from] - body->young[to]);
+    body->poisson[to] += share * (r->old.poisson[from] - body->poisson[to]);
+    body->density[to] += share * (r->old.density[from] - body->density[to]);
+    if (v <= largest[to]) continue;
+    largest[to] = v;
+    body->label[to] = r->old.label[from];
+    body->yield[to] = r->old.yield[from];
+  }
+  body->mass = 0;
+  for (LitheIndex c = 0; c < n; c++) body->mass += body->density[c] * body->mesh->cell_volume[c];
+done:
+  lth_free(ctx, volume);
+  lth_free(ctx, largest);
+  return status;
+}
+
+// --- a body ---
+
+void lth_renewal_take_parts(LthBody *body, LthRenewal *r) {
+  r->old = *body;
+  r->first = body->change ? body->change->first : NULL;
+  body->space = NULL;
+  body->label = NULL;
+  body->young = body->poisson = body->density = body->yield = NULL;
+  body->patches = NULL;
+  body->weak = NULL;
+  body->weak_of = NULL;
+  body->strong = NULL;
+  body->loads = NULL;
+  body->places = NULL;
+  body->n_patches = body->cap_patches = body->cap_weak = body->cap_weak_of = body->cap_loads = 0;
+  body->n_weak = body->n_loads = 0;
+  body->op = NULL;
+  body->disc = NULL;
+  body->embedding = body->nodes = NULL;
+  body->contact = NULL;
+}
+
+static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
+  LitheStatus status = LITHE_OK;
+  LthMesh *mesh = NULL;
+  LitheIndex *cell_record = NULL, *face_record = NULL;
+  LITHE_TRY(lth_body_change_inherit(ctx, body));
+  LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));
+  lth_renewal_take_parts(body, r);
+  body->mesh = mesh;
+  mesh = NULL;
+  body->mesh->n_merged = r->old.mesh->n_merged;
+  LITHE_TRY_OR(done, renew_space(ctx, body, &r->old, cell_record));
+  LITHE_TRY_OR(done, find_atoms(ctx, body, cell_record, r));
+  LITHE_TRY_OR(done, inherit_material(ctx, body, r));
+  LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
+  LITHE_TRY_OR(done, lth_body_change_number(ctx, body, cell_record, face_record));
+  cell_record = face_record = NULL;
+done:
+  lth_mesh_destroy(ctx, &mesh);
+  lth_free(ctx, cell_record);
+  lth_free(ctx, face_record);
+  return status;
+}
+
+// --- all bodies ---
+
+/// Coefficients of all bodies from the old system to the new one.
+typedef struct Move {
+  const LthWorld *world;
+  const LthSystem *from;
+  const LthRenewal *renewals; ///< (n_bodies); no atoms' cells: the body is what it was
+} Move;
+
+static LitheStatus move_field(LitheCtx *ctx, const void *self, const double *from, double *to) {
+  const Move *m = self;
+  for (LitheIndex b = 0; b < m->world->n_bodies; b++) {
+    const LthRenewal *r = m->renewals + b;
+    const LthBody *body = m->world->bodies[b];
+    const double *x = from + m->from->dof_first[b];
+    double *y = to + m->world->system->dof_first[b];
+    if (!r->from_cell) {
+      memcpy(y, x, sizeof *y * (size_t)body->disc->n_dofs);
+      continue;
+    }
+    LthDgTransfer transfer = {.from = r->old.space,
+                              .to = body->space,
+                              .atoms = lth_renewal_atoms(r, body),
+                              .from_cell = r->from_cell,
+                              .to_cell = r->to_cell};
+    LITHE_TRY(lth_dg_transfer(ctx, &transfer, x, y));
+  }
+  return LITHE_OK;
+}
+
+/// Energies of the present state.
+static void measure(LitheCtx *ctx, LthWorld *world, int when) {
+  if (world->n_settled == world->n_notes) return;
+  lth_simulation_measure(ctx, world->sim);
+  const LthStepReport *report = lth_simulation_report(world->sim);
+  for (LitheIndex i = world->n_settled; i < world->n_notes; i++) {
+    world->notes[i].strain[when] = report->strain_energy;
+    world->notes[i].kinetic[when] = report->kinetic_energy;
+  }
+}
+
+LitheStatus lth_world_settle_notes(LitheCtx *ctx, LthWorld *world) {
+  for (; world->n_settled < world->n_notes; world->n_settled++) {
+    LthChangeNote *note = world->notes + world->n_settled;
+    LthMeshQuality quality;
+    const LthBody *body = world->bodies[note->body];
+    LITHE_TRY(lth_mesh_quality(ctx, body->mesh, &quality));
+    note->volume = quality.volume;
+    note->elements = quality.n_elements;
+    note->pieces = quality.n_components;
+    note->unknowns = body->disc->n_dofs;
+  }
+  return LITHE_OK;
+}
+
+/// The surfaces by which bodies touch go with the pairs, also those of bodies that have not changed.
+static void take_touch(LthBody *body, LthRenewal *r) {
+  r->touch = body->touch;
+  r->touch_embedding = body->touch_embedding;
+  r->touch_point = body->touch_point;
+  body->touch = NULL;
+  body->touch_embedding = NULL;
+  body->touch_point = NULL;
+}
+
+void lth_world_take(LthWorld *world, LthRenewal *renewals, LthWorld *old) {
+  *old = *world;
+  for (LitheIndex b = 0; b < world->n_bodies; b++) take_touch(world->bodies[b], renewals + b);
+  world->ties = NULL;
+  world->pairs = NULL;
+  world->n_ties = world->n_pairs = 0;
+  world->system = NULL;
+  world->sim = NULL;
+}
+
+void lth_world_free_taken(LitheCtx *ctx, LthWorld *old) {
+  lth_simulation_destroy(ctx, &old->sim);
+  lth_system_destroy(ctx, &old->system);
+  lth_world_free_pairs(ctx, old);
+  lth_world_free_ties(ctx, old);
+}
+
+LitheStatus lth_world_join(LitheCtx *ctx, LthWorld *world) {
+  LITHE_TRY(lth_world_build_ties(ctx, world));
+  LITHE_TRY(lth_world_build_pairs(ctx, world));
+  LITHE_TRY(lth_world_build_system(ctx, world));
+  return lth_world_create_simulation(ctx, world);
+}
+
+static LitheStatus rebuild(LitheCtx *ctx, LthWorld *world, const LthWorld *old,
+                           LthRenewal *renewals) {
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    LthBody *body = world->bodies[b];
+    if (lth_body_has_changed(body)) LITHE_TRY(renew_body(ctx, body, renewals + b));
+  }
+  LITHE_TRY(lth_world_join(ctx, world));
+  Move move = {world, old->system, renewals};
+  LITHE_TRY(lth_simulation_inherit(ctx, world->sim, old->sim, move_field, &move));
+  return lth_world_carry_contacts(ctx, world, old, renewals);
+}
+
+LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world) {
+  LitheStatus status = LITHE_OK;
+  LthWorld old;
+  LthRenewal *renewals = NULL;
+  LTH_NEW(ctx, renewals, world->n_bodies);
+  measure(ctx, world, 0);
+  lth_world_take(world, renewals, &old);
+  LITHE_TRY_OR(done, rebuild(ctx, world, &old, renewals));
+  measure(ctx, world, 1);
+  LITHE_TRY_OR(done, lth_world_settle_notes(ctx, world));
+  world->n_renewals++;
+done:
+  lth_world_free_taken(ctx, &old);
+  for (LitheIndex b = 0; b < world->n_bodies; b++) lth_renewal_free(ctx, renewals + b);
+  lth_free(ctx, renewals);
+  return status;
+}

@@ -1,0 +1,97 @@
+"""Bodies that are cut while they move, from the command line."""
+import csv
+import json
+import os
+import signal
+
+from cli import check, done, expect, folder, run
+from resume import check_resumes, write
+
+DROP = """lithe: 1
+bodies:
+  - name: block
+    shape: {box: {min: [0, 0.002, 0], max: [0.2, 0.102, 0.1]}}
+    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
+    method: {kind: dg, mesh: hexahedra, cells: [4, 2, 2], degree: 1, sliver: 1e-4}
+    embed: {surface: shape}
+    initial: {velocity: [0.3, -0.5, 0.1]}
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
+contact: {friction: 0.3}
+cuts:
+  - {at: 0, plane: {point: [0.05, 0.05, 0.05], normal: [1, 0, 0.3]}}
+  - {at: 0.031, plane: {point: [0.12, 0.05, 0.05], normal: [1, 0.1, 0.2]}}
+  - {at: 0.07, plane: {point: [0.1, 0.05, 0.04], normal: [0.1, 0.2, 1]}, space: rest}
+time: {kind: dynamic, duration: 0.15, step: 1/200}
+probes: [{name: corner, point: [0.19, 0.09, 0.09]}]
+output: {every: 1/100, fields: [vtu], surface: [pc2], checkpoint: 0}
+"""
+BEND = """lithe: 1
+bodies:
+  - name: bar
+    shape: {box: {min: [0, 0, 0], max: [4, 1, 1]}}
+    material: {model: corotated, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
+    method: {kind: dg, mesh: hexahedra, cells: [6, 2, 2], degree: 1}
+    constraints:
+      - {where: {box: {min: [-1, -1, -1], max: [0.01, 2, 2]}}, displacement: [0, 0, 0]}
+      - {where: {box: {min: [3.99, -1, -1], max: [5, 2, 2]}}, displacement: [0, "-t*t", 0], enforce: strong}
+cuts:
+  - {at: 0.4, plane: {point: [0, 0.4, 0], normal: [0, 1, 0]}, space: rest}
+time: {kind: quasistatic, steps: 8, duration: 1}
+probes: [{name: tip, point: [4, 0.5, 0.5]}]
+output: {fields: [vtu], checkpoint: 0}
+"""
+
+
+def solve(d, text, *options):
+    write(d, "scene.yaml", text)
+    got = run("run", "scene.yaml", "-q", "-o", "out", *options, cwd=d)
+    result = json.load(open(os.path.join(d, "out", "result.json"))) if got.returncode == 0 else None
+    return got, result
+
+
+def history(d):
+    with open(os.path.join(d, "out", "history.csv")) as file:
+        return [{k: float(v) for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+check_resumes("cut", DROP, [(2, signal.SIGKILL), (9, signal.SIGINT)])
+for kind in ("bdf2", "newmark"):
+    check_resumes("cut by " + kind, DROP, [(7, signal.SIGKILL)], ["time.integrator=" + kind, "colliders=[]"])
+check_resumes("bend and cut", BEND, [(5, signal.SIGKILL)])
+
+with folder() as d:
+    got, result = solve(d, DROP)
+    notes = result["topology"]
+    expect("every_cut_is_told", [n["cut"] for n in notes] == [0, 1, 2] and not any(n["missed"] for n in notes), notes)
+    expect("each_before_the_step_in_which_it_falls", abs(notes[1]["time"] - 0.03) < 1e-12 and
+           abs(notes[2]["time"] - 0.07) < 1e-12, notes)
+    expect("pieces_are_counted", [n["pieces"] for n in notes] == [2, 3, 6], notes)
+    expect("volume_stays", all(abs(n["volume"] / 0.002 - 1) < 1e-13 for n in notes), notes)
+    expect("kinetic_energy_stays", all(abs(n["kinetic_energy"][1] - n["kinetic_energy"][0]) <=
+                                       1e-13 * n["kinetic_energy"][0] for n in notes), notes)
+    expect("elements_are_those_of_the_last_cut", result["bodies"][0]["elements"] == notes[2]["elements"], result["bodies"])
+    expect("volume_of_the_history_stays", abs(history(d)[-1]["volume"] / 0.002 - 1) < 0.1, history(d)[-1])
+
+with folder() as d:
+    got, result = solve(d, BEND)
+    expect("a_bar_that_is_cut_along_is_softer", result["reaction"]["bodies.0.constraints.1"][1] < 0, result["reaction"])
+    whole = solve(d, BEND.replace("at: 0.4, plane: {point: [0, 0.4, 0]", "at: 0.4, plane: {point: [0, 4, 0]"))[1]
+    expect("which_takes_less_force", abs(result["reaction"]["bodies.0.constraints.1"][1]) <
+           0.7 * abs(whole["reaction"]["bodies.0.constraints.1"][1]), (result["reaction"], whole["reaction"]))
+    expect("a_miss_is_told", whole["topology"][0]["missed"] and "cuts.0: it misses all bodies" in whole["warnings"][0],
+           whole["warnings"])
+
+with folder() as d:
+    write(d, "scene.yaml", BEND.replace("point: [0, 0.4, 0], normal: [0, 1, 0]", "point: [2, 0, 0], normal: [1, 0, 0]")
+          .replace("enforce: strong", "enforce: weak").replace('displacement: [0, "-t*t", 0]', "displacement: [null, null, 0]"))
+    check("a_piece_that_nothing_holds_is_named", ["run", "scene.yaml", "-q", "-o", "out"], None, None, 2, cwd=d)
+    write(d, "cg.yaml", BEND.replace("kind: dg", "kind: cg"))
+    check("other_methods_are_refused", ["run", "cg.yaml", "-q"], "",
+          "cg.yaml:11:5: cuts.0: cuts need method dg, and body `bar` has another; expected `body` with the name of a dg "
+          "body, or `method: {kind: dg}`\n", 2, cwd=d)
+    write(d, "late.yaml", BEND.replace("at: 0.4", "at: 1"))
+    check("a_cut_after_the_end_is_refused", ["run", "late.yaml", "-q"], "",
+          "late.yaml:11:10: cuts.0.at: the run ends before it, got 1 s; expected less than the duration, 1 s\n", 2, cwd=d)
+done()

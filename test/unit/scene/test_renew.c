@@ -1,0 +1,249 @@
+/// Elements change in the middle of a run: nothing moves, and all that is built upon elements follows.
+#include "base/tensor.h"
+#include "mesh/topology.h"
+#include "scene/change.h"
+#include "scene/cut.h"
+#include "scene_text.h"
+
+#define SCENE                                                                                      \
+  "lithe: 1\n"                                                                                     \
+  "bodies:\n"                                                                                      \
+  "  - name: bar\n"                                                                                \
+  "    shape: {sphere: {center: [0, 0.2, 0], radius: 0.1}}\n"                                      \
+  "    material: {young_modulus: \"2e4*(1+x)\", poisson_ratio: 0.4, density: \"1000*(1+3*x)\"}\n"  \
+  "    method: {kind: dg, cells: 4, sliver: 0.001, degree: \"1.5+4*x\"}\n"                                      \
+  "    initial: {velocity: [\"y\", \"-1+x*3\", \"x-y\"]}\n"                                        \
+  "  - name: other\n"                                                                              \
+  "    shape: {box: {min: [-0.1, 0.301, -0.1], max: [0.1, 0.35, 0.1]}}\n"                          \
+  "    material: {young_modulus: 1e4, poisson_ratio: 0.3, density: 1000}\n"                        \
+  "    method: {kind: dg, mesh: hexahedra, cells: [3, 1, 3], degree: 1}\n"                         \
+  "gravity: [0, -9.81, 0]\n"                                                                       \
+  "colliders:\n"                                                                                   \
+  "  - plane: {point: [0, 0.095, 0], normal: [0.1, 1, 0]}\n"                                       \
+  "contact: {friction: 0.3}\n"                                                                     \
+  "cuts:\n"                                                                                        \
+  "  - {at: 0.05, body: bar, plane: {point: [0.01, 0.19, 0], normal: [1, 0.3, 0.2]}}\n"            \
+  "  - {at: 0.05, body: bar, plane: {point: [0, 0.2, 0.01], normal: [0, 0.1, 1]}, space: rest}\n"  \
+  "time: {kind: dynamic, duration: 1, step: 0.01}\n"
+
+typedef struct Run {
+  Reading reading;
+  LitheCtx *ctx;
+  LthWorld *world;
+} Run;
+
+static Run begin_with(const char *text, int n_overrides, const char *const *overrides) {
+  Run run = {.reading = read_with(text, n_overrides, overrides)};
+  double times[2];
+  run.ctx = run.reading.ctx;
+  CHECK_OK(run.ctx, run.reading.status);
+  CHECK_OK(run.ctx, lth_world_create(run.ctx, run.reading.scene, times, &run.world));
+  return run;
+}
+
+static void end(Run *run) {
+  lth_world_destroy(run->ctx, &run->world);
+  end_reading(&run->reading);
+}
+
+static void steps(Run *run, int n) {
+  for (int i = 0; i < n; i++)
+    CHECK_OK(run->ctx, lth_simulation_step(run->ctx, run->world->sim, 0.01));
+}
+
+/// Position and velocity of points well inside elements, by places that splits do not move.
+enum { POINTS = 200 };
+typedef struct Look {
+  double at[POINTS][3], x[POINTS][3], v[POINTS][3];
+} Look;
+
+static void look(const Run *run, Look *look) {
+  const LthBody *body = run->world->bodies[0];
+  for (int i = 0; i < POINTS; i++) {
+    LitheIndex cell;
+    bool inside;
+    CHECK_OK(run->ctx, lth_disc_find_cell(run->ctx, body->disc, look->at[i], &cell, &inside));
+    lth_disc_sample(body->disc, cell, lth_body_position(body), look->at[i], look->x[i]);
+    lth_disc_sample(body->disc, cell, lth_body_velocity(body), look->at[i], look->v[i]);
+  }
+}
+
+static void choose_places(const Run *run, Look *look) {
+  const LthMesh *mesh = run->world->bodies[0]->mesh;
+  for (int i = 0; i < POINTS; i++) { // between centroids and corners of cells
+    LitheIndex c = (LitheIndex)(i * 7 % mesh->n_cells);
+    LitheIndex f = mesh->cell_face[mesh->cell_face_off[c] + i % 4];
+    const double *g = mesh->cell_centroid + 3 * (LitheCount)c,
+                 *h = mesh->face_centroid + 3 * (LitheCount)f;
+    for (int a = 0; a < 3; a++) look->at[i][a] = g[a] + 0.7 * (h[a] - g[a]);
+  }
+}
+
+/// A matrix of a factorisation is positive definite: Cholesky fails else.
+static void check_definite(const Run *run) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  LthFactor *factor = NULL;
+  const LthBlockMatrix *A = lth_simulation_matrix(run->world->sim);
+  if (!engine) return;
+  CHECK_OK(run->ctx, engine->analyse(run->ctx, A, &factor));
+  CHECK_OK(run->ctx, engine->factorize(run->ctx, factor, A));
+  engine->destroy(run->ctx, &factor);
+}
+
+static void nothing_moves_when_a_body_is_cut(void **state) {
+  (void)state;
+  Run run = begin_with(SCENE, 0, NULL);
+  static Look before, after;
+  bool changed;
+  steps(&run, 5);
+  lth_simulation_measure(run.ctx, run.world->sim);
+  LthStepReport r0 = *lth_simulation_report(run.world->sim);
+  LitheIndex n0 = run.world->bodies[0]->mesh->n_cells;
+  choose_places(&run, &before);
+  after = before;
+  look(&run, &before);
+  CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 0.055, &changed));
+  assert_true(changed);
+  look(&run, &after);
+  lth_simulation_measure(run.ctx, run.world->sim);
+  LthStepReport r1 = *lth_simulation_report(run.world->sim);
+  assert_true(run.world->bodies[0]->mesh->n_cells > n0 + 20);
+  for (int i = 0; i < POINTS; i++)
+    for (int a = 0; a < 3; a++) {
+      CHECK_NEAR(after.x[i][a], before.x[i][a], 1e-14);
+      CHECK_NEAR(after.v[i][a], before.v[i][a], 1e-13);
+    }
+  for (int a = 0; a < 3; a++) {
+    CHECK_NEAR(r1.momentum[a], r0.momentum[a], 1e-13 * 10);
+    CHECK_NEAR(r1.angular_momentum[a], r0.angular_momentum[a], 1e-13 * 2);
+  }
+  CHECK_NEAR(r1.kinetic_energy / r0.kinetic_energy, 1, 1e-13);
+  CHECK_NEAR(r1.work, r0.work, 0);
+  assert_true(r1.linear_total == r0.linear_total);
+  CHECK_NEAR(lth_simulation_time(run.world->sim), 0.05, 1e-15);
+  const LthChangeNote *note = run.world->notes;
+  assert_int_equal(run.world->n_notes, 2);
+  assert_true(note[1].pieces >= 4);
+  CHECK_NEAR(note[1].kinetic[0], note[1].kinetic[1], 1e-13 * note[1].kinetic[0]);
+  CHECK_NEAR(note[1].strain[1], note[1].strain[0], 0.3 * note[1].strain[0]);
+  CHECK_NEAR(note[1].volume, lth_body_volume(run.world->bodies[0]), 1e-15);
+  steps(&run, 10);
+  check_definite(&run);
+  end(&run);
+}
+
+static void kept_elements_keep_their_bits(void **state) {
+  (void)state;
+  Run run = begin_with(SCENE, 0, NULL);
+  LthBody *body = run.world->bodies[0];
+  LthTopology *t = body->change->topology;
+  LthSplit split;
+  LthPlane plane = {{0, 0, 0}, {0.3, 1, 0.2}};
+  steps(&run, 2);
+  LitheIndex n = body->mesh->n_cells;
+  double *x = NULL, *v = NULL, *young = NULL;
+  LitheIndex *first = NULL;
+  CHECK_OK(run.ctx, lth_new_(run.ctx, (void **)&x, 3 * body->space->n_funcs, sizeof *x));
+  CHECK_OK(run.ctx, lth_new_(run.ctx, (void **)&v, 3 * body->space->n_funcs, sizeof *v));
+  CHECK_OK(run.ctx, lth_new_(run.ctx, (void **)&first, n + 1, sizeof *first));
+  CHECK_OK(run.ctx, lth_new_(run.ctx, (void **)&young, n, sizeof *young));
+  size_t bytes = sizeof *x * 3 * (size_t)body->space->n_funcs;
+  memcpy(x, lth_body_position(body), bytes);
+  memcpy(v, lth_body_velocity(body), bytes);
+  memcpy(first, body->space->func_off, sizeof *first * (size_t)(n + 1));
+  memcpy(young, body->young, sizeof *young * (size_t)n);
+  lth_v3_copy(t->cells[7].centroid, plane.point);
+  CHECK_OK(run.ctx, lth_topology_split(run.ctx, t, 7, &plane, -1, &split));
+  assert_int_equal(split.n, 2);
+  CHECK_OK(run.ctx, lth_world_renew(run.ctx, run.world));
+  assert_int_equal(body->mesh->n_cells, n + 1);
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+    LitheIndex record = body->change->cell_record[c];
+    assert_int_equal(body->change->record_cell[record], c);
+    if (record >= n || record == 7) continue;
+    size_t size = 3 * sizeof *x * (size_t)lth_dg_funcs(body->space, c);
+    LitheCount at = 3 * (LitheCount)body->space->func_off[c], was = 3 * (LitheCount)first[record];
+    assert_memory_equal(lth_body_position(body) + at, x + was, size);
+    assert_memory_equal(lth_body_velocity(body) + at, v + was, size);
+    CHECK_NEAR(body->young[c], young[record], 0);
+  }
+  lth_free(run.ctx, x);
+  lth_free(run.ctx, v);
+  lth_free(run.ctx, young);
+  lth_free(run.ctx, first);
+  end(&run);
+}
+
+static void splits_and_merges_in_one_turn_keep_momentum(void **state) {
+  (void)state;
+  Run run = begin_with(SCENE, 0, NULL);
+  LthBody *body = run.world->bodies[0];
+  LthTopology *t = body->change->topology;
+  LitheIndex n_merged;
+  LthSplit split;
+  steps(&run, 4);
+  lth_simulation_measure(run.ctx, run.world->sim);
+  LthStepReport r0 = *lth_simulation_report(run.world->sim);
+  for (LitheIndex c = 0; c < 20; c++)
+    CHECK_OK(run.ctx, lth_topology_split_eight(run.ctx, t, c, &split));
+  CHECK_OK(run.ctx, lth_body_change_hold(run.ctx, body));
+  CHECK_OK(run.ctx, lth_topology_merge_slivers(run.ctx, t, 0, NULL, 1e-5, &n_merged));
+  assert_true(n_merged > 20);
+  CHECK_OK(run.ctx, lth_world_renew(run.ctx, run.world));
+  lth_simulation_measure(run.ctx, run.world->sim);
+  LthStepReport r1 = *lth_simulation_report(run.world->sim);
+  // cells of different density are merged too: their mean velocity is kept, their momentum is not
+  const char *even = "bodies.0.material.density=1000";
+  for (int a = 0; a < 3; a++) CHECK_NEAR(r1.momentum[a], r0.momentum[a], 0.05);
+  end(&run);
+
+  run = begin_with(SCENE, 1, &even);
+  body = run.world->bodies[0];
+  t = body->change->topology;
+  steps(&run, 4);
+  lth_simulation_measure(run.ctx, run.world->sim);
+  r0 = *lth_simulation_report(run.world->sim);
+  for (LitheIndex c = 0; c < 20; c++)
+    CHECK_OK(run.ctx, lth_topology_split_eight(run.ctx, t, c, &split));
+  CHECK_OK(run.ctx, lth_body_change_hold(run.ctx, body));
+  CHECK_OK(run.ctx, lth_topology_merge_slivers(run.ctx, t, 0, NULL, 1e-5, &n_merged));
+  CHECK_OK(run.ctx, lth_world_renew(run.ctx, run.world));
+  lth_simulation_measure(run.ctx, run.world->sim);
+  r1 = *lth_simulation_report(run.world->sim);
+  // int X x v is kept, but x is projected as well
+  for (int a = 0; a < 3; a++) {
+    CHECK_NEAR(r1.momentum[a], r0.momentum[a], 1e-13 * 10);
+    CHECK_NEAR(r1.angular_momentum[a], r0.angular_momentum[a], 1e-4);
+  }
+  assert_true(r1.kinetic_energy <= r0.kinetic_energy * (1 + 1e-14));
+  end(&run);
+}
+
+static void a_cut_that_misses_changes_nothing(void **state) {
+  (void)state;
+  const char *away = "cuts.0.plane.point=[1, 0, 0]", *late = "cuts.1.at=0.5";
+  Run run = begin_with(SCENE, 2, (const char *const[]){away, late});
+  bool changed;
+  const LthSimulation *sim = run.world->sim;
+  const LthMesh *mesh = run.world->bodies[0]->mesh;
+  steps(&run, 5);
+  CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 0.055, &changed));
+  assert_false(changed);
+  assert_ptr_equal(run.world->sim, sim);
+  assert_ptr_equal(run.world->bodies[0]->mesh, mesh);
+  assert_int_equal(run.world->n_notes, 1);
+  assert_int_equal(run.world->notes[0].n_split, 0);
+  assert_int_equal(lithe_ctx_warning_count(run.ctx), 1);
+  assert_non_null(strstr(lithe_ctx_warning(run.ctx, 0), "cuts.0: it misses its body"));
+  end(&run);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(nothing_moves_when_a_body_is_cut),
+      cmocka_unit_test(kept_elements_keep_their_bits),
+      cmocka_unit_test(splits_and_merges_in_one_turn_keep_momentum),
+      cmocka_unit_test(a_cut_that_misses_changes_nothing),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
