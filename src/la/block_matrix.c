@@ -48,9 +48,10 @@ static void fill_offsets(LthBlockMatrix *A) {
   A->value_off[A->block_off[A->n_rows]] = value;
 }
 
-LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
-                                    const LitheCount *block_off, const LitheIndex *block_col,
-                                    LthBlockMatrix **matrix) {
+/// Pattern alone; value_off as if blocks followed each other.
+static LitheStatus create_pattern(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                  const LitheCount *block_off, const LitheIndex *block_col,
+                                  LthBlockMatrix **matrix) {
   static atomic_uint_least64_t last_revision;
   LitheStatus status = LITHE_OK;
   LitheCount n_blocks = block_off[n_rows];
@@ -69,13 +70,34 @@ LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const Lith
   memcpy(A->block_off, block_off, sizeof *block_off * (size_t)(n_rows + 1));
   memcpy(A->block_col, block_col, sizeof *block_col * (size_t)n_blocks);
   fill_offsets(A);
-  LTH_NEW_OR(done, ctx, A->values, A->value_off[n_blocks]);
   A->pattern_revision = atomic_fetch_add(&last_revision, 1) + 1;
   *matrix = A;
   A = NULL;
 done:
   lth_block_matrix_destroy(ctx, &A);
   return status;
+}
+
+LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                    const LitheCount *block_off, const LitheIndex *block_col,
+                                    LthBlockMatrix **matrix) {
+  LitheStatus status = LITHE_OK;
+  LITHE_TRY(create_pattern(ctx, n_rows, row_off, block_off, block_col, matrix));
+  LTH_NEW_OR(done, ctx, (*matrix)->values, (*matrix)->value_off[block_off[n_rows]]);
+done:
+  if (status != LITHE_OK) lth_block_matrix_destroy(ctx, matrix);
+  return status;
+}
+
+LitheStatus lth_block_matrix_lend(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                  const LitheCount *block_off, const LitheIndex *block_col,
+                                  const LitheCount *value_off, double *values,
+                                  LthBlockMatrix **matrix) {
+  LITHE_TRY(create_pattern(ctx, n_rows, row_off, block_off, block_col, matrix));
+  memcpy((*matrix)->value_off, value_off, sizeof *value_off * (size_t)(block_off[n_rows] + 1));
+  (*matrix)->values = values;
+  (*matrix)->is_lent = true;
+  return LITHE_OK;
 }
 
 void lth_block_matrix_destroy(LitheCtx *ctx, LthBlockMatrix **matrix) {
@@ -86,7 +108,7 @@ void lth_block_matrix_destroy(LitheCtx *ctx, LthBlockMatrix **matrix) {
   lth_free(ctx, A->block_col);
   lth_free(ctx, A->value_off);
   lth_free(ctx, A->diagonal);
-  lth_free(ctx, A->values);
+  if (!A->is_lent) lth_free(ctx, A->values);
   lth_free(ctx, A);
   *matrix = NULL;
 }

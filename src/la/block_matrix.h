@@ -14,6 +14,7 @@ typedef struct LthBlockMatrix {
   LitheCount *value_off;     ///< first value of a block                      (n_blocks + 1)
   LitheCount *diagonal;      ///< block index of the diagonal block of a row  (n_rows)
   double *values;            ///< (value_off[n_blocks])
+  bool is_lent;              ///< the values are another's
   uint64_t pattern_revision; ///< changes when the pattern does: a symbolic analysis is stale then
 } LthBlockMatrix;
 
@@ -21,6 +22,12 @@ typedef struct LthBlockMatrix {
 LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
                                     const LitheCount *block_off, const LitheIndex *block_col,
                                     LthBlockMatrix **A);
+
+/// The same over values of another, borrowed for life: those of block e from value_off[e] on, none of them beyond
+/// value_off[n_blocks].
+LitheStatus lth_block_matrix_lend(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
+                                  const LitheCount *block_off, const LitheIndex *block_col,
+                                  const LitheCount *value_off, double *values, LthBlockMatrix **A);
 void lth_block_matrix_destroy(LitheCtx *ctx, LthBlockMatrix **A);
 
 /// Block (row, col), or -1. Binary search.

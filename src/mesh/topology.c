@@ -10,14 +10,43 @@ void lth_topology_destroy(LitheCtx *ctx, LthTopology **topology) {
   LthTopology *t = *topology;
   LthTopologyWork *w = t->work;
   if (w) {
-    void *blocks[] = {
-        w->point_stamp, w->point_sign,    w->point_height,  w->cut_key,      w->cut_point,
-        w->cut_stamp,   w->chain[0].edge, w->chain[1].edge, w->cap.edge,     w->divider.edge,
-        w->cross,       w->queue,         w->trace_edge,    w->raw_off,      w->raw_corner,
-        w->raw_outer,   w->trace_used,    w->raw_area,      w->parts,        w->loop_off,
-        w->corner,      w->pieces,        w->set,           w->edges,        w->angle,
-        w->list,        w->fresh,         w->cell_seen,     w->face_seen,    w->cell_side,
-        w->free_faces,  w->free_cells,    w->free_points,   w->loose_points, w};
+    void *blocks[] = {w->point_stamp,
+                      w->point_sign,
+                      w->point_height,
+                      w->cut_key,
+                      w->cut_point,
+                      w->cut_stamp,
+                      w->chain[0].edge,
+                      w->chain[1].edge,
+                      w->cap.edge,
+                      w->divider.edge,
+                      w->cross,
+                      w->queue,
+                      w->trace_edge,
+                      w->raw_off,
+                      w->raw_corner,
+                      w->raw_outer,
+                      w->trace_used,
+                      w->raw_area,
+                      w->parts,
+                      w->loop_off,
+                      w->corner,
+                      w->pieces,
+                      w->set,
+                      w->edges,
+                      w->angle,
+                      w->list,
+                      w->fresh,
+                      w->cell_seen,
+                      w->face_seen,
+                      w->cell_side,
+                      w->free_faces,
+                      w->free_cells,
+                      w->free_points,
+                      w->loose_points,
+                      w->mesh_cell,
+                      w->mesh_point,
+                      w};
     for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   }
   void *blocks[] = {

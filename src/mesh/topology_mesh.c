@@ -5,32 +5,41 @@
 typedef struct Packing {
   LthTopology *t;
   LitheIndex n_cells, n_faces, n_points;
-  LitheIndex *cell_of, *point_of; ///< of records: number in the mesh, -1
-  LitheIndex *cell_record, *face_record;
+  LitheIndex *cell_of,
+      *point_of; ///< of records: number in the mesh + 1, 0: none; of the topology's scratch
+  LitheIndex *cell_record, *face_record, *point_record;
   LitheIndex *face_loop_off, *loop_off, *loop_point, *face_cell, *face_tag;
   double *points;
   uint8_t *rank;
-  LitheCount face_cap, face_loop_cap, loop_off_cap, loop_point_cap, face_cell_cap, face_tag_cap;
+  LitheCount face_cap, face_loop_cap, loop_off_cap, loop_point_cap, face_cell_cap, face_tag_cap,
+      point_cap;
   LitheIndex n_loops, n_corners;
 } Packing;
 
 static LitheStatus list_cells(LitheCtx *ctx, Packing *p, LitheIndex n, const LitheIndex *cells) {
   const LthTopology *t = p->t;
   LTH_NEW(ctx, p->cell_record, cells ? n : t->n_live_cells);
-  LTH_NEW(ctx, p->cell_of, t->n_cells);
-  for (LitheIndex i = 0; i < t->n_cells; i++) p->cell_of[i] = -1;
+  LTH_RESERVE(ctx, t->work->mesh_cell, t->work->mesh_cell_cap, t->n_cells);
+  p->cell_of = t->work->mesh_cell;
   for (LitheIndex i = 0; i < (cells ? n : t->n_cells); i++) {
     LitheIndex cell = cells ? cells[i] : i;
-    if (!t->cells[cell].is_live || p->cell_of[cell] >= 0) continue;
-    p->cell_of[cell] = p->n_cells;
+    if (!t->cells[cell].is_live || p->cell_of[cell] > 0) continue;
     p->cell_record[p->n_cells++] = cell;
+    p->cell_of[cell] = p->n_cells;
   }
+  return LITHE_OK;
+}
+
+static LitheStatus add_point(LitheCtx *ctx, Packing *p, LitheIndex point) {
+  LTH_RESERVE(ctx, p->point_record, p->point_cap, (LitheCount)p->n_points + 1);
+  p->point_record[p->n_points++] = point;
+  p->point_of[point] = p->n_points;
   return LITHE_OK;
 }
 
 static LitheStatus add_face(LitheCtx *ctx, Packing *p, LitheIndex face) {
   const LthTopologyFace *f = p->t->faces + face;
-  LitheIndex a = p->cell_of[f->cell[0]], b = f->cell[1] >= 0 ? p->cell_of[f->cell[1]] : -1;
+  LitheIndex a = p->cell_of[f->cell[0]] - 1, b = f->cell[1] >= 0 ? p->cell_of[f->cell[1]] - 1 : -1;
   bool is_turned = a < 0 || (b >= 0 && b < a);
   LthFaceView view = lth_topology_face(p->t, face);
   LTH_RESERVE(ctx, p->face_record, p->face_cap, (LitheCount)p->n_faces + 1);
@@ -43,8 +52,8 @@ static LitheStatus add_face(LitheCtx *ctx, Packing *p, LitheIndex face) {
     LitheIndex first = view.loop_off[l], size = view.loop_off[l + 1] - first;
     for (LitheIndex i = 0; i < size; i++) {
       LitheIndex point = view.loop_point[first + (is_turned && i > 0 ? size - i : i)];
-      if (p->point_of[point] < 0) p->point_of[point] = p->n_points++;
-      p->loop_point[p->n_corners++] = p->point_of[point];
+      if (p->point_of[point] == 0) LITHE_TRY(add_point(ctx, p, point));
+      p->loop_point[p->n_corners++] = p->point_of[point] - 1;
     }
     p->loop_off[++p->n_loops] = p->n_corners;
   }
@@ -58,10 +67,9 @@ static LitheStatus add_face(LitheCtx *ctx, Packing *p, LitheIndex face) {
 
 static LitheStatus list_faces(LitheCtx *ctx, Packing *p, bool all) {
   LthTopology *t = p->t;
-  LTH_NEW(ctx, p->point_of, t->n_points);
-  for (LitheIndex i = 0; i < t->n_points; i++) p->point_of[i] = -1;
-  if (all)
-    for (; p->n_points < t->n_surface_points; p->n_points++) p->point_of[p->n_points] = p->n_points;
+  LTH_RESERVE(ctx, t->work->mesh_point, t->work->mesh_point_cap, t->n_points);
+  p->point_of = t->work->mesh_point;
+  for (LitheIndex i = 0; all && i < t->n_surface_points; i++) LITHE_TRY(add_point(ctx, p, i));
   LTH_RESERVE(ctx, p->face_loop_off, p->face_loop_cap, 1);
   LTH_RESERVE(ctx, p->loop_off, p->loop_off_cap, 1);
   p->face_loop_off[0] = p->loop_off[0] = 0;
@@ -78,12 +86,18 @@ static LitheStatus list_faces(LitheCtx *ctx, Packing *p, bool all) {
 static LitheStatus copy_points(LitheCtx *ctx, Packing *p) {
   LTH_NEW(ctx, p->points, 3 * (LitheCount)p->n_points);
   LTH_NEW(ctx, p->rank, p->n_points);
-  for (LitheIndex i = 0; i < p->t->n_points; i++) {
-    if (p->point_of[i] < 0) continue;
-    lth_v3_copy(p->t->points + 3 * (LitheCount)i, p->points + 3 * (LitheCount)p->point_of[i]);
-    p->rank[p->point_of[i]] = p->t->point_rank[i];
+  for (LitheIndex i = 0; i < p->n_points; i++) {
+    LitheCount from = p->point_record[i];
+    lth_v3_copy(p->t->points + 3 * from, p->points + 3 * (LitheCount)i);
+    p->rank[i] = p->t->point_rank[from];
   }
   return LITHE_OK;
+}
+
+/// Numbers of cells and points back to none: at the cost of the mesh, not of the topology.
+static void clear_numbers(Packing *p) {
+  for (LitheIndex i = 0; i < p->n_cells; i++) p->cell_of[p->cell_record[i]] = 0;
+  for (LitheIndex i = 0; i < p->n_points; i++) p->point_of[p->point_record[i]] = 0;
 }
 
 LitheStatus lth_topology_mesh(LitheCtx *ctx, const LthTopology *topology, LitheIndex n,
@@ -109,12 +123,12 @@ LitheStatus lth_topology_mesh(LitheCtx *ctx, const LthTopology *topology, LitheI
                     .face_tag = p.face_tag,
                     .cell_size = topology->cell_size};
   LITHE_TRY_OR(done, lth_mesh_create(ctx, &def, mesh));
-  if (cell_record) *cell_record = p.cell_record, p.cell_record = NULL;
-  if (face_record) *face_record = p.face_record, p.face_record = NULL;
 done:;
-  void *blocks[] = {p.cell_of,       p.point_of, p.cell_record, p.face_record,
-                    p.face_loop_off, p.loop_off, p.loop_point,  p.face_cell,
-                    p.face_tag,      p.points,   p.rank};
+  clear_numbers(&p);
+  if (*mesh && cell_record) *cell_record = p.cell_record, p.cell_record = NULL;
+  if (*mesh && face_record) *face_record = p.face_record, p.face_record = NULL;
+  void *blocks[] = {p.point_record, p.cell_record, p.face_record, p.face_loop_off, p.loop_off,
+                    p.loop_point,   p.face_cell,   p.face_tag,    p.points,        p.rank};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   return status;
 }

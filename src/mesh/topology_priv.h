@@ -106,6 +106,10 @@ struct LthTopologyWork {
   double cap_area; ///< of all caps since it was set to 0 [m^2]
   LitheCount list_cap, fresh_cap, cell_seen_cap, face_seen_cap, cell_side_cap;
 
+  // numbers + 1 in the mesh in the making, all 0 between meshes
+  LitheIndex *mesh_cell, *mesh_point;
+  LitheCount mesh_cell_cap, mesh_point_cap;
+
   // numbers to be used again, and points that may have become free
   LitheIndex *free_faces, *free_cells, *free_points, *loose_points;
   LitheCount n_free_faces, n_free_cells, n_free_points, n_loose_points;

@@ -227,10 +227,9 @@ static void add_roller(const LthDgOperator *op, const LthDgHold *hold, double *b
     }
 }
 
-static void assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *block) {
+void lth_dg_assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *block) {
   int nb = lth_dg_funcs(op->space, cell);
-  rotate_cell_sized(nb, op->cell_data + op->cell_off[cell], op->rotation + 9 * (LitheCount)cell,
-                    block);
+  rotate_cell_sized(nb, op->cell_data[cell], op->rotation + 9 * (LitheCount)cell, block);
   for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++) {
     const LthDgFace *face = &op->faces[op->sides[s].face];
     LthDgFaceTables tables = lth_dg_face_tables(op, face);
@@ -268,34 +267,39 @@ static void transpose_block(int rows, int cols, const double *block, double *tra
     for (int c = 0; c < cols; c++) transposed[c * rows + r] = block[r * cols + c];
 }
 
+LitheIndex lth_dg_assemble_pair(const LthDgOperator *op, LitheIndex f, double *block,
+                                double *mirror) {
+  LitheIndex cell = op->faces[f].cell[0], other = op->faces[f].cell[1];
+  LitheIndex end = op->own_face_off[cell + 1];
+  int nu = lth_dg_funcs(op->space, cell), nv = lth_dg_funcs(op->space, other);
+  memset(block, 0, sizeof *block * 9 * (size_t)(nu * nv));
+  for (; f < end && op->faces[f].cell[1] == other; f++) add_face_to_pair(op, &op->faces[f], block);
+  interleave_sized(3 * nu, nv, block);
+  transpose_block(3 * nu, 3 * nv, block, mirror);
+  return f;
+}
+
 /// The blocks of a cell with the neighbours it owns the faces to, both triangles.
 static void assemble_pairs(const LthDgOperator *op, LitheIndex cell, LthBlockMatrix *K) {
   LitheIndex f = op->own_face_off[cell], end = op->own_face_off[cell + 1];
-  int nu = lth_dg_funcs(op->space, cell);
   while (f < end) {
     LitheIndex other = op->faces[f].cell[1];
-    int nv = lth_dg_funcs(op->space, other);
-    double *block = K->values + K->value_off[lth_block_matrix_find(K, cell, other)];
-    double *mirror = K->values + K->value_off[lth_block_matrix_find(K, other, cell)];
-    memset(block, 0, sizeof *block * 9 * (size_t)(nu * nv));
-    for (; f < end && op->faces[f].cell[1] == other; f++)
-      add_face_to_pair(op, &op->faces[f], block);
-    interleave_sized(3 * nu, nv, block);
-    transpose_block(3 * nu, 3 * nv, block, mirror);
+    f = lth_dg_assemble_pair(op, f, K->values + K->value_off[lth_block_matrix_find(K, cell, other)],
+                             K->values + K->value_off[lth_block_matrix_find(K, other, cell)]);
   }
 }
 
 void lth_dg_assemble(LthDgOperator *op, double t, LthBlockMatrix *K, double *f0) {
 #pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < op->space->n_cells; cell++) {
-    assemble_diagonal(op, cell, K->values + K->value_off[K->diagonal[cell]]);
+    lth_dg_assemble_diagonal(op, cell, K->values + K->value_off[K->diagonal[cell]]);
     assemble_pairs(op, cell, K);
   }
   lth_dg_assemble_load(op, t, f0);
 }
 
 /// f0_i = R_K load_i - sum_f w_L kappa_L R_L n int phi_i  + constraints: what the reference shape holds.
-static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double *f0) {
+void lth_dg_assemble_cell_load(const LthDgOperator *op, LitheIndex cell, double t, double *f0) {
   int nb = lth_dg_funcs(op->space, cell);
   const double *R = op->rotation + 9 * (LitheCount)cell;
   const double *own = op->cell_load + 3 * (LitheCount)op->space->func_off[cell];
@@ -318,5 +322,5 @@ static void cell_load(const LthDgOperator *op, LitheIndex cell, double t, double
 void lth_dg_assemble_load(LthDgOperator *op, double t, double *f0) {
 #pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < op->space->n_cells; cell++)
-    cell_load(op, cell, t, f0 + 3 * (LitheCount)op->space->func_off[cell]);
+    lth_dg_assemble_cell_load(op, cell, t, f0 + 3 * (LitheCount)op->space->func_off[cell]);
 }

@@ -256,7 +256,7 @@ bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell) {
   const LthMesh *mesh = space->mesh;
   int k = space->degree[cell], n = lth_monomials3(k);
   double moment[MAX_MOMENTS] = {0};
-  double *B = space->basis + space->basis_off[cell];
+  double *B = space->basis[cell];
   for (LitheIndex c = mesh->cell_face_off[cell]; c < mesh->cell_face_off[cell + 1]; c++) {
     LitheIndex f = mesh->cell_face[c];
     LthFaceView face = lth_mesh_face(mesh, f);

@@ -1,6 +1,6 @@
 /// Weak constraints: the pieces of each are gathered by cell, projector and plane; what they prescribe
 /// enters through its moments with the traces only, which loses nothing of Nitsche's data terms.
-#include "disc/dg/dg_priv.h"
+#include "disc/dg/dg_store_priv.h"
 
 #include <stdlib.h>
 
@@ -137,32 +137,43 @@ done:
   return status;
 }
 
-/// Masses, areas and centroids of the groups; points where the data vary. Points of a group must lie
+/// Areas and centroids of the groups.
+static void measure_groups(LthDgOperator *op, LitheIndex n, const Piece *pieces,
+                           const LitheIndex *order, const LitheIndex *group_of, double *centroid) {
+  for (LitheIndex k = 0; k < n; k++) {
+    const Piece *piece = &pieces[order[k]];
+    LitheIndex g = group_of[order[k]];
+    const LthPatches *patches = op->weak[piece->constraint].patches;
+    op->groups[g].area += patches->area[piece->patch];
+    lth_v3_axpy(patches->area[piece->patch], patches->centroid + 3 * (LitheCount)piece->patch,
+                centroid + 3 * (LitheCount)g);
+  }
+  for (LitheIndex g = 0; g < op->n_groups; g++)
+    lth_v3_scale(1 / op->groups[g].area, centroid + 3 * (LitheCount)g);
+}
+
+/// Masses of the groups that are not known; points where the data vary. Points of a group must lie
 /// together, hence group by group.
 static LitheStatus integrate_groups(LitheCtx *ctx, LthDgOperator *op, LitheIndex n,
                                     const Piece *pieces, const LitheIndex *order,
-                                    const LitheIndex *group_of, double *centroid) {
+                                    const LitheIndex *group_of, const uint8_t *is_known) {
   LitheCount used = 0, cap = 0;
   for (LitheIndex k = 0; k < n; k++) {
     const Piece *piece = &pieces[order[k]];
     LitheIndex g = group_of[order[k]];
     LthDgGroup *group = &op->groups[g];
     const LthWeakConstraint *weak = &op->weak[piece->constraint];
-    const LthPatches *patches = weak->patches;
-    LthFaceView view = lth_patches_view(op->space->mesh, patches, piece->patch);
-    const double *at = patches->centroid + 3 * (LitheCount)piece->patch;
-    lth_dg_add_face_mass(op->space, piece->cell, &view, at, op->group_data + group->table);
-    group->area += patches->area[piece->patch];
-    lth_v3_axpy(patches->area[piece->patch], at, centroid + 3 * (LitheCount)g);
+    LthFaceView view = lth_patches_view(op->space->mesh, weak->patches, piece->patch);
+    const double *at = weak->patches->centroid + 3 * (LitheCount)piece->patch;
+    if (!is_known[g])
+      lth_dg_add_face_mass(op->space, piece->cell, &view, at, op->group_data + group->table);
     if (is_varying(weak)) LITHE_TRY(add_points(ctx, op, piece, &view, &used, &cap, group));
   }
-  for (LitheIndex g = 0; g < op->n_groups; g++)
-    lth_v3_scale(1 / op->groups[g].area, centroid + 3 * (LitheCount)g);
   return LITHE_OK;
 }
 
 /// Penalties, and the rest positions' moments  rest_i = sum_j mass_ij X0_j.
-static void finish_groups(LthDgOperator *op, const double *centroid) {
+static void finish_groups(LthDgOperator *op, const double *centroid, const uint8_t *is_known) {
   for (LitheIndex h = 0; h < op->n_holds; h++) {
     const LthDgHold *hold = &op->holds[h];
     int nb = lth_dg_funcs(op->space, hold->cell);
@@ -170,6 +181,7 @@ static void finish_groups(LthDgOperator *op, const double *centroid) {
     double area = 0;
     for (LitheIndex g = 0; g < hold->n_groups; g++) area += op->groups[hold->first_group + g].area;
     for (LitheIndex g = hold->first_group; g < hold->first_group + hold->n_groups; g++) {
+      if (is_known[g]) continue;
       lth_dg_boundary_penalty(op, hold->cell, centroid + 3 * (LitheCount)g, area, &op->groups[g]);
       double *mass = op->group_data + op->groups[g].table, *rest = mass + nb * nb;
       for (int i = 0; i < nb; i++)
@@ -203,11 +215,12 @@ static LitheStatus order_by_group(LitheCtx *ctx, LitheIndex n, LitheIndex n_grou
   return LITHE_OK;
 }
 
-LitheStatus lth_dg_build_holds(LitheCtx *ctx, LthDgOperator *op) {
+LitheStatus lth_dg_build_holds(LitheCtx *ctx, const LthDgRecords *records, LthDgOperator *op) {
   LitheStatus status = LITHE_OK;
   Piece *pieces = NULL;
   LitheIndex *group_of = NULL, *order = NULL, n = 0;
   double *centroid = NULL;
+  uint8_t *is_known = NULL;
   for (LitheIndex w = 0; w < op->n_weak; w++) n += op->weak[w].patches->n;
   LTH_NEW_OR(done, ctx, op->hold_off, op->space->n_cells + 1);
   LTH_NEW_OR(done, ctx, pieces, n);
@@ -220,13 +233,18 @@ LitheStatus lth_dg_build_holds(LitheCtx *ctx, LthDgOperator *op) {
   LITHE_TRY_OR(done, place_tables(ctx, op));
   LTH_NEW_OR(done, ctx, centroid, 3 * (LitheCount)op->n_groups);
   LITHE_TRY_OR(done, order_by_group(ctx, n, op->n_groups, group_of, order));
-  LITHE_TRY_OR(done, integrate_groups(ctx, op, n, pieces, order, group_of, centroid));
-  finish_groups(op, centroid);
+  LTH_NEW_OR(done, ctx, is_known, op->n_groups);
+  measure_groups(op, n, pieces, order, group_of, centroid);
+  if (records) lth_dg_store_lend_groups(records, op, is_known);
+  LITHE_TRY_OR(done, integrate_groups(ctx, op, n, pieces, order, group_of, is_known));
+  finish_groups(op, centroid, is_known);
+  if (records) LITHE_TRY_OR(done, lth_dg_store_keep_groups(ctx, records, op, is_known));
 done:
   lth_free(ctx, pieces);
   lth_free(ctx, group_of);
   lth_free(ctx, order);
   lth_free(ctx, centroid);
+  lth_free(ctx, is_known);
   return status;
 }
 

@@ -13,9 +13,9 @@ static void to_basis(const double *basis, int nb, int nl, double *w, double *c, 
 void lth_dg_cell_slope(LthDgOperator *op, LitheIndex cell) {
   const LthDgSpace *space = op->space;
   const int(*exponent)[3] = lth_monomial3_exponents();
-  const double *basis = space->basis + space->basis_off[cell];
+  const double *basis = space->basis[cell];
   int nb = lth_dg_funcs(space, cell), nl = lth_dg_lower(space, cell);
-  double *slope = op->slope + op->slope_off[cell];
+  double *slope = op->slope[cell];
 
   for (int b = 0; b < 3; b++)
     for (int j = 0; j < nb; j++) {
@@ -133,9 +133,18 @@ static void hold_matrices(const LthDgOperator *op, const LthDgHold *hold, double
   }
 }
 
+void lth_dg_cell_holds(LthDgOperator *op, LitheIndex cell) {
+  int nb = lth_dg_funcs(op->space, cell);
+  for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++) {
+    const LthDgHold *hold = &op->holds[h];
+    double *flux = op->hold_data + hold->table;
+    if (!hold->roller) hold_matrices(op, hold, flux, flux + 9 * nb * nb);
+  }
+}
+
 void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell) {
   int nb = lth_dg_funcs(op->space, cell);
-  double *block = op->cell_data + op->cell_off[cell];
+  double *block = op->cell_data[cell];
   double *load = op->cell_load + 3 * (LitheCount)op->space->func_off[cell];
   double flux[9 * LTH_DG_MAX_FUNCS * LTH_DG_MAX_FUNCS];
   memset(flux, 0, sizeof *flux * 9 * (size_t)(nb * nb));
@@ -147,9 +156,7 @@ void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell) {
   if (op->flux == LTH_FLUX_IP) own_flux(op, cell, flux, load);
   for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++) {
     const LthDgHold *hold = &op->holds[h];
-    double *hold_flux = op->hold_data + hold->table, *penalty = hold_flux + 9 * nb * nb;
-    if (hold->roller) continue;
-    hold_matrices(op, hold, hold_flux, penalty);
+    const double *hold_flux = op->hold_data + hold->table, *penalty = hold_flux + 9 * nb * nb;
     for (int i = 0; i < 9 * nb * nb && hold->whole; i++)
       flux[i] += hold_flux[i], block[i] += penalty[i];
   }

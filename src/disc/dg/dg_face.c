@@ -48,7 +48,7 @@ static void cell_trace(const LthDgSpace *space, LitheIndex cell, const FaceFrame
     times_linear(degree - 1, monomial[lth_monomial3_index(e[0], e[1], e[2])], linear[axis],
                  monomial[q]);
   }
-  const double *basis = space->basis + space->basis_off[cell];
+  const double *basis = space->basis[cell];
   memset(trace, 0, sizeof *trace * (size_t)(nb * n2));
   for (int i = 0; i < nb; i++)
     for (int q = 0; q <= i; q++)
@@ -174,7 +174,7 @@ static void low_products(int r, int nu, const double *u, int nv, const double *v
       for (int j = 0; j < nv; j++) table[i * nv + j] += sign * u[l * nu + i] * v[l * nv + j];
 }
 
-static void integrate_face(LthDgOperator *op, const LthDgFace *face) {
+void lth_dg_integrate_face(LthDgOperator *op, LthDgFace *face) {
   const LthDgSpace *space = op->space;
   LthDgFaceTables t = lth_dg_face_tables(op, face);
   double trace[2][LTH_DG_MAX_FUNCS * LTH_DG_MAX_TRACE], moments[LTH_DG_MAX_TRACE2];
@@ -202,6 +202,7 @@ static void integrate_face(LthDgOperator *op, const LthDgFace *face) {
     low_products(r, n[0], low[0], n[1], low[1], -1, t.low[p].mixed);
   }
   if (op->flux == LTH_FLUX_IP) face_slopes(op, face, &t);
+  lth_dg_inner_penalty(op, face);
 }
 
 /// Counting sort of the inner faces by owner, then by neighbour within each owner.
@@ -254,7 +255,7 @@ static LitheStatus list_sides(LitheCtx *ctx, LthDgOperator *op) {
   return LITHE_OK;
 }
 
-LitheStatus lth_dg_build_faces(LitheCtx *ctx, LthDgOperator *op) {
+LitheStatus lth_dg_list_faces(LitheCtx *ctx, LthDgOperator *op) {
   const LthMesh *mesh = op->space->mesh;
   for (LitheIndex f = 0; f < mesh->n_faces; f++) op->n_faces += mesh->face_cell[2 * f + 1] >= 0;
   LTH_NEW(ctx, op->faces, op->n_faces);
@@ -263,18 +264,5 @@ LitheStatus lth_dg_build_faces(LitheCtx *ctx, LthDgOperator *op) {
   LTH_NEW(ctx, op->sides, 2 * (LitheCount)op->n_faces);
   count_faces(op);
   order_faces(op);
-  LITHE_TRY(list_sides(ctx, op));
-
-  LitheCount doubles = 0;
-  for (LitheIndex f = 0; f < op->n_faces; f++) {
-    op->faces[f].table = doubles;
-    doubles += lth_dg_face_doubles(op, &op->faces[f]);
-  }
-  LTH_NEW(ctx, op->face_data, doubles);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex f = 0; f < op->n_faces; f++) {
-    integrate_face(op, &op->faces[f]);
-    lth_dg_inner_penalty(op, &op->faces[f]);
-  }
-  return LITHE_OK;
+  return list_sides(ctx, op);
 }

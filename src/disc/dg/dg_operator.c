@@ -1,5 +1,5 @@
 /// Building and freeing the operator; rotations; the pattern of its matrix.
-#include "disc/dg/dg_priv.h"
+#include "disc/dg/dg_store_priv.h"
 
 #include "material/rotation.h"
 
@@ -35,31 +35,80 @@ static LitheStatus copy_materials(LitheCtx *ctx, const LthDgOperatorDef *def, Lt
   return LITHE_OK;
 }
 
-static LitheStatus build_slopes(LitheCtx *ctx, LthDgOperator *op) {
+/// Places of slopes in one block.
+static LitheStatus place_slopes(LitheCtx *ctx, LthDgOperator *op) {
   LitheIndex n = op->space->n_cells;
-  LTH_NEW(ctx, op->slope_off, n + 1);
+  LitheCount size = 0;
   for (LitheIndex c = 0; c < n; c++)
-    op->slope_off[c + 1] =
-        op->slope_off[c] + 3 * (LitheCount)lth_dg_funcs(op->space, c) * lth_dg_lower(op->space, c);
-  LTH_NEW(ctx, op->slope, op->slope_off[n]);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex c = 0; c < n; c++) lth_dg_cell_slope(op, c);
+    size += 3 * (LitheCount)lth_dg_funcs(op->space, c) * lth_dg_lower(op->space, c);
+  LTH_NEW(ctx, op->slope_block, size);
+  double *next = op->slope_block;
+  for (LitheIndex c = 0; c < n; c++) {
+    op->slope[c] = next;
+    next += 3 * lth_dg_funcs(op->space, c) * lth_dg_lower(op->space, c);
+  }
   return LITHE_OK;
 }
 
-static LitheStatus build_cells(LitheCtx *ctx, LthDgOperator *op) {
-  LitheIndex n = op->space->n_cells;
-  LTH_NEW(ctx, op->cell_off, n + 1);
-  LTH_NEW(ctx, op->cell_load, op->space->n_dofs);
-  LTH_NEW(ctx, op->partial, n);
-  for (LitheIndex c = 0; c < n; c++) {
-    LitheCount nb = lth_dg_funcs(op->space, c);
-    op->cell_off[c + 1] = op->cell_off[c] + 9 * nb * nb;
+/// Places of the faces' tables in one block.
+static LitheStatus place_faces(LitheCtx *ctx, LthDgOperator *op) {
+  LitheCount size = 0;
+  for (LitheIndex f = 0; f < op->n_faces; f++) size += lth_dg_face_doubles(op, &op->faces[f]);
+  LTH_NEW(ctx, op->face_block, size);
+  double *next = op->face_block;
+  for (LitheIndex f = 0; f < op->n_faces; f++) {
+    op->faces[f].table = next;
+    next += lth_dg_face_doubles(op, &op->faces[f]);
   }
-  LTH_NEW(ctx, op->cell_data, op->cell_off[n]);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex c = 0; c < n; c++) lth_dg_cell_matrix(op, c);
   return LITHE_OK;
+}
+
+/// Places of the elements' matrices in one block.
+static LitheStatus place_cells(LitheCtx *ctx, LthDgOperator *op) {
+  LitheIndex n = op->space->n_cells;
+  LitheCount size = 0;
+  for (LitheIndex c = 0; c < n; c++)
+    size += 9 * (LitheCount)lth_dg_funcs(op->space, c) * lth_dg_funcs(op->space, c);
+  LTH_NEW(ctx, op->cell_block, size);
+  double *next = op->cell_block;
+  for (LitheIndex c = 0; c < n; c++) {
+    op->cell_data[c] = next;
+    next += 9 * lth_dg_funcs(op->space, c) * lth_dg_funcs(op->space, c);
+  }
+  return LITHE_OK;
+}
+
+/// Slopes, tables of faces, holds and matrices of cells: all that is not known.
+static LitheStatus integrate(LitheCtx *ctx, const LthDgRecords *records, LthDgOperator *op) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = op->space->n_cells;
+  uint8_t *known = NULL; // of cells and faces in turn
+  LTH_NEW_OR(done, ctx, known, n > op->n_faces ? n : op->n_faces);
+  LITHE_TRY_OR(done,
+               records ? lth_dg_store_lend_slopes(ctx, records, op, known) : place_slopes(ctx, op));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < n; c++)
+    if (!known[c]) lth_dg_cell_slope(op, c);
+  memset(known, 0, (size_t)(n > op->n_faces ? n : op->n_faces));
+  LITHE_TRY_OR(done,
+               records ? lth_dg_store_lend_faces(ctx, records, op, known) : place_faces(ctx, op));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex f = 0; f < op->n_faces; f++)
+    if (!known[f]) lth_dg_integrate_face(op, &op->faces[f]);
+  if (records) lth_dg_store_keep_faces(records, op, known);
+  LITHE_TRY_OR(done, lth_dg_build_holds(ctx, records, op));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < n; c++) lth_dg_cell_holds(op, c);
+  memset(known, 0, (size_t)(n > op->n_faces ? n : op->n_faces));
+  LITHE_TRY_OR(done,
+               records ? lth_dg_store_lend_cells(ctx, records, op, known) : place_cells(ctx, op));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < n; c++)
+    if (!known[c]) lth_dg_cell_matrix(op, c);
+  if (records) lth_dg_store_keep_cells(records, op, known);
+done:
+  lth_free(ctx, known);
+  return status;
 }
 
 LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def,
@@ -82,10 +131,12 @@ LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def,
   LTH_NEW_OR(done, ctx, op->rest, def->space->n_dofs);
   lth_dg_reset_rotations(op);
   lth_dg_rest(def->space, op->rest);
-  LITHE_TRY_OR(done, build_slopes(ctx, op));
-  LITHE_TRY_OR(done, lth_dg_build_faces(ctx, op));
-  LITHE_TRY_OR(done, lth_dg_build_holds(ctx, op));
-  LITHE_TRY_OR(done, build_cells(ctx, op));
+  LTH_NEW_OR(done, ctx, op->slope, def->space->n_cells);
+  LTH_NEW_OR(done, ctx, op->cell_data, def->space->n_cells);
+  LTH_NEW_OR(done, ctx, op->cell_load, def->space->n_dofs);
+  LTH_NEW_OR(done, ctx, op->partial, def->space->n_cells);
+  LITHE_TRY_OR(done, lth_dg_list_faces(ctx, op));
+  LITHE_TRY_OR(done, integrate(ctx, def->records, op));
   lth_dg_measure_penalty(op);
 done:
   if (status != LITHE_OK) lth_dg_operator_destroy(ctx, &op);
@@ -97,10 +148,10 @@ void lth_dg_operator_destroy(LitheCtx *ctx, LthDgOperator **out) {
   LthDgOperator *op = *out;
   if (!op) return;
   lth_dg_free_holds(ctx, op);
-  void *blocks[] = {op->lambda,    op->mu,           op->young,    op->rotation,  op->rest,
-                    op->slope_off, op->slope,        op->cell_off, op->cell_data, op->cell_load,
-                    op->faces,     op->own_face_off, op->side_off, op->sides,     op->face_data,
-                    op->weak,      op->partial};
+  void *blocks[] = {op->lambda, op->mu,           op->young,     op->rotation,   op->rest,
+                    op->slope,  op->slope_block,  op->cell_data, op->cell_block, op->cell_load,
+                    op->faces,  op->own_face_off, op->side_off,  op->sides,      op->face_block,
+                    op->weak,   op->partial};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   lth_free(ctx, op);
   *out = NULL;

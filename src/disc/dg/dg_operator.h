@@ -25,6 +25,8 @@ typedef struct LthDgOperatorDef {
   const uint8_t *held; ///< unknowns that move as prescribed; borrowed for life; NULL: none (n_dofs)
   const LthWeakConstraint *weak; ///< copied; the patches are borrowed
   LitheIndex n_weak;
+  const LthDgRecords
+      *records; ///< NULL: integrals are the operator's own; else as those of the space
 } LthDgOperatorDef;
 
 typedef struct LthDgOperator LthDgOperator;

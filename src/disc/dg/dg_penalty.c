@@ -90,15 +90,14 @@ static bool is_linear(const LthDgOperator *op, const LthDgFace *face, int s) {
   return op->space->degree[face->cell[s]] == 1;
 }
 
-/// All components of the element move as prescribed.
-static bool is_rigid(const LthDgOperator *op, LitheIndex cell) {
+bool lth_dg_is_rigid(const LthDgOperator *op, LitheIndex cell) {
   const uint8_t *held = op->held ? op->held + 3 * (LitheCount)op->space->func_off[cell] : NULL;
   return held && held[0] && held[1] && held[2];
 }
 
 /// The side that alone carries the traction, as at a boundary: its neighbour is held and has no stress to share. Or -1.
 static int free_side(const LthDgOperator *op, const LthDgFace *face) {
-  bool rigid[2] = {is_rigid(op, face->cell[0]), is_rigid(op, face->cell[1])};
+  bool rigid[2] = {lth_dg_is_rigid(op, face->cell[0]), lth_dg_is_rigid(op, face->cell[1])};
   return rigid[0] == rigid[1] ? -1 : rigid[0];
 }
 

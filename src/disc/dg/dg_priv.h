@@ -28,7 +28,7 @@ typedef struct LthDgPenalty {
 } LthDgPenalty;
 
 /// An inner face. Faces are ordered by (cell[0], cell[1]), so that the faces of a pair are neighbours.
-/// Tables, one after the other in face_data, n_s = functions of cell[s]:
+/// Tables, one after the other, n_s = functions of cell[s]:
 ///   mass[0]  (n_0 x n_0)      int phi+_i phi+_j
 ///   mass[1]  (n_1 x n_1)      int phi-_i phi-_j
 ///   mixed    (n_0 x n_1)      -int phi+_i phi-_j           (a product of two jumps)
@@ -43,7 +43,7 @@ typedef struct LthDgFace {
   double area;
   double weight[2]; ///< of the sides' tractions, with sum 1
   LthDgPenalty penalty;
-  LitheCount table;
+  double *table;
 } LthDgFace;
 
 /// Where an inner face meets a cell.
@@ -88,19 +88,18 @@ struct LthDgOperator {
   double *rotation;            ///< (n_cells x 9)
   double *rest;                ///< X0 (n_dofs)
 
-  LitheCount *slope_off; ///< (n_cells + 1) into slope
-  double *slope;         ///< d_b phi_j = sum_l slope[b][j][l] phi_l, l below lth_monomials3(k - 1)
-
-  LitheCount *cell_off; ///< (n_cells + 1) into cell_data
-  double *cell_data;    ///< [i][a][b][j]: element, own flux and whole holds, unrotated
-  double *cell_load;    ///< own part of f0, unrotated (n_dofs)
+  // of each cell, in blocks of the operator or in rooms of a store
+  double **slope; ///< d_b phi_j = sum_l slope[b][j][l] phi_l, l below lth_monomials3(k - 1)
+  double *
+      *cell_data; ///< [i][a][b][j]: element, own flux and whole holds, unrotated; NULL: of the rim
+  double *slope_block, *cell_block, *face_block; ///< NULL where a store has them
+  double *cell_load;                             ///< own part of f0, unrotated (n_dofs)
 
   LitheIndex n_faces;
   LthDgFace *faces;
   LitheIndex *own_face_off; ///< (n_cells + 1) faces whose owner is the cell
   LitheIndex *side_off;     ///< (n_cells + 1)
   LthDgSide *sides;
-  double *face_data;
 
   LthWeakConstraint *weak;
   LitheIndex n_weak, n_holds, n_groups;
@@ -124,7 +123,7 @@ static inline int lth_dg_lower(const LthDgSpace *s, LitheIndex cell) {
 }
 
 static inline const double *lth_dg_slope(const LthDgOperator *op, LitheIndex cell) {
-  return op->slope + op->slope_off[cell];
+  return op->slope[cell];
 }
 
 /// Products of jumps: of the owner's functions, the neighbour's, and one with the other.
@@ -153,7 +152,7 @@ static inline LthDgJump lth_dg_jump_tables(int n0, int n1, double *start) {
 static inline LthDgFaceTables lth_dg_face_tables(const LthDgOperator *op, const LthDgFace *face) {
   int n0 = lth_dg_funcs(op->space, face->cell[0]), n1 = lth_dg_funcs(op->space, face->cell[1]);
   int size = n0 * n0 + n1 * n1 + n0 * n1;
-  double *start = op->face_data + face->table;
+  double *start = face->table;
   LthDgFaceTables t = {.n_low = n0 == n1 ? 1 : 2, .full = lth_dg_jump_tables(n0, n1, start)};
   for (int p = 0; p < t.n_low; p++) t.low[p] = lth_dg_jump_tables(n0, n1, start += size);
   t.slope[1] = start + size;
@@ -171,10 +170,13 @@ static inline void lth_dg_penalty_matrix(double iso, const double normal[2], con
 
 // dg_element.c
 
-/// Fill op->slope of a cell.
+/// Fill op->slope[cell].
 void lth_dg_cell_slope(LthDgOperator *op, LitheIndex cell);
 
-/// Fill op->cell_data and op->cell_load of a cell: element, own flux terms and whole holds.
+/// Fill the matrices of a cell's holds.
+void lth_dg_cell_holds(LthDgOperator *op, LitheIndex cell);
+
+/// Fill op->cell_data and op->cell_load of a cell: element, own flux terms and whole holds (filled before).
 void lth_dg_cell_matrix(LthDgOperator *op, LitheIndex cell);
 
 /// block[i][a][b][j] += -w (lambda n_a g_b + mu (g_a n_b + delta_ab n.g)), g_ij = int phi_i grad phi_j from
@@ -203,10 +205,29 @@ void lth_dg_add_face_mass(const LthDgSpace *space, LitheIndex cell, const LthFac
 void lth_dg_add_face_mean(const LthDgSpace *space, LitheIndex cell, const LthFaceView *piece,
                           const double centroid[3], double *mean);
 
-/// Inner faces in their order, their tables and who meets them.
-LitheStatus lth_dg_build_faces(LitheCtx *ctx, LthDgOperator *op);
+/// Inner faces in their order and who meets them.
+LitheStatus lth_dg_list_faces(LitheCtx *ctx, LthDgOperator *op);
+
+/// Tables and penalty of a face; `table` is zero before.
+void lth_dg_integrate_face(LthDgOperator *op, LthDgFace *face);
+
+// dg_assemble.c
+
+/// The diagonal block of a cell (3 nb x 3 nb).
+void lth_dg_assemble_diagonal(const LthDgOperator *op, LitheIndex cell, double *block);
+
+/// The block of a cell and the neighbour beyond its own face f, with all faces that they share, and its transpose.
+/// Returns the first own face with another neighbour.
+LitheIndex lth_dg_assemble_pair(const LthDgOperator *op, LitheIndex f, double *block,
+                                double *mirror);
+
+/// f0 of a cell (3 nb).
+void lth_dg_assemble_cell_load(const LthDgOperator *op, LitheIndex cell, double t, double *f0);
 
 // dg_penalty.c
+
+/// All components of the element move as prescribed.
+bool lth_dg_is_rigid(const LthDgOperator *op, LitheIndex cell);
 
 void lth_dg_inner_penalty(const LthDgOperator *op, LthDgFace *face);
 
@@ -219,7 +240,7 @@ void lth_dg_measure_penalty(LthDgOperator *op);
 
 // dg_constraint.c
 
-LitheStatus lth_dg_build_holds(LitheCtx *ctx, LthDgOperator *op);
+LitheStatus lth_dg_build_holds(LitheCtx *ctx, const LthDgRecords *records, LthDgOperator *op);
 void lth_dg_free_holds(LitheCtx *ctx, LthDgOperator *op);
 
 /// int phi_i d over a group (nb x 3) at time t; d is the prescribed displacement, or the prescribed

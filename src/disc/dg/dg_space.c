@@ -3,6 +3,7 @@
 
 #include "base/tensor.h"
 #include "disc/dg/dg_basis.h"
+#include "disc/dg/dg_store_priv.h"
 
 void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space) {
   if (!*space) return;
@@ -11,7 +12,7 @@ void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space) {
   lth_free(ctx, s->func_off);
   lth_free(ctx, s->center);
   lth_free(ctx, s->scale);
-  lth_free(ctx, s->basis_off);
+  lth_free(ctx, s->basis_block);
   lth_free(ctx, s->basis);
   lth_free(ctx, s->mean_gradient);
   lth_free(ctx, s->trace_constant);
@@ -24,7 +25,7 @@ static LitheStatus lay_out(LitheCtx *ctx, LthDgSpace *s, int degree, const uint8
   LitheIndex n = s->n_cells;
   LTH_NEW(ctx, s->degree, n);
   LTH_NEW(ctx, s->func_off, n + 1);
-  LTH_NEW(ctx, s->basis_off, n + 1);
+  LTH_NEW(ctx, s->basis, n);
   LTH_NEW(ctx, s->center, 3 * (LitheCount)n);
   LTH_NEW(ctx, s->scale, 3 * (LitheCount)n);
   LTH_NEW(ctx, s->trace_constant, n);
@@ -44,12 +45,24 @@ static LitheStatus lay_out(LitheCtx *ctx, LthDgSpace *s, int degree, const uint8
                  "lower degree",
                  (int)n, k);
     s->func_off[c + 1] = (LitheIndex)funcs;
-    s->basis_off[c + 1] = s->basis_off[c] + nb * nb;
   }
   s->n_funcs = (LitheIndex)funcs;
   s->n_dofs = 3 * funcs;
-  LTH_NEW(ctx, s->basis, s->basis_off[n]);
   LTH_NEW(ctx, s->mean_gradient, 3 * funcs);
+  return LITHE_OK;
+}
+
+/// One block for all bases.
+static LitheStatus place_bases(LitheCtx *ctx, LthDgSpace *s) {
+  LitheCount size = 0;
+  for (LitheIndex c = 0; c < s->n_cells; c++)
+    size += (LitheCount)lth_dg_funcs(s, c) * lth_dg_funcs(s, c);
+  LTH_NEW(ctx, s->basis_block, size);
+  double *next = s->basis_block;
+  for (LitheIndex c = 0; c < s->n_cells; c++) {
+    s->basis[c] = next;
+    next += lth_dg_funcs(s, c) * lth_dg_funcs(s, c);
+  }
   return LITHE_OK;
 }
 
@@ -62,12 +75,13 @@ static LitheStatus fail_flat(LitheCtx *ctx, const LthMesh *mesh, LitheIndex c) {
              (int)c, x[0], x[1], x[2], mesh->cell_volume[c]);
 }
 
-/// Bases of all cells; remembers the first cell that has none.
-static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s) {
+/// Bases of all cells but those of which they are known; remembers the first cell that has none.
+static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s, const uint8_t *is_known) {
   const LthMesh *mesh = s->mesh;
   LitheIndex flat = s->n_cells;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(lth_threads(ctx)) reduction(min : flat)
   for (LitheIndex c = 0; c < s->n_cells; c++) {
+    if (is_known && is_known[c]) continue;
     for (int i = 0; i < 3; i++) {
       const double *box = mesh->cell_box + 6 * (LitheCount)c;
       s->center[3 * c + i] = mesh->cell_centroid[3 * c + i];
@@ -80,21 +94,36 @@ static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s) {
   return flat < s->n_cells ? fail_flat(ctx, mesh, flat) : LITHE_OK;
 }
 
-LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
-                                const uint8_t *cell_degree, LthDgSpace **space) {
+LitheStatus lth_dg_space_create_kept(LitheCtx *ctx, const LthMesh *mesh, int degree,
+                                     const uint8_t *cell_degree, const LthDgRecords *records,
+                                     LthDgSpace **space) {
   LitheStatus status = LITHE_OK;
   LthDgSpace *s = NULL;
+  uint8_t *is_known = NULL;
   *space = NULL;
   LTH_NEW_OR(done, ctx, s, 1);
   s->mesh = mesh;
   s->n_cells = mesh->n_cells;
   LITHE_TRY_OR(done, lay_out(ctx, s, degree, cell_degree));
-  LITHE_TRY_OR(done, build_bases(ctx, s));
+  if (records) {
+    LTH_NEW_OR(done, ctx, is_known, s->n_cells);
+    LITHE_TRY_OR(done, lth_dg_store_lend_bases(ctx, records, s, is_known));
+  } else {
+    LITHE_TRY_OR(done, place_bases(ctx, s));
+  }
+  LITHE_TRY_OR(done, build_bases(ctx, s, is_known));
+  if (records) lth_dg_store_keep_bases(records, s, is_known);
   *space = s;
   s = NULL;
 done:
+  lth_free(ctx, is_known);
   if (s) lth_dg_space_destroy(ctx, &s);
   return status;
+}
+
+LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
+                                const uint8_t *cell_degree, LthDgSpace **space) {
+  return lth_dg_space_create_kept(ctx, mesh, degree, cell_degree, NULL, space);
 }
 
 /// Everything of a cell of another space but its number.
@@ -102,8 +131,7 @@ static void copy_cell(const LthDgSpace *from, LitheIndex cell, LthDgSpace *to, L
   int nb = lth_dg_funcs(from, cell);
   memcpy(to->center + 3 * (size_t)at, from->center + 3 * (size_t)cell, 3 * sizeof(double));
   memcpy(to->scale + 3 * (size_t)at, from->scale + 3 * (size_t)cell, 3 * sizeof(double));
-  memcpy(to->basis + to->basis_off[at], from->basis + from->basis_off[cell],
-         sizeof(double) * (size_t)(nb * nb));
+  memcpy(to->basis[at], from->basis[cell], sizeof(double) * (size_t)(nb * nb));
   memcpy(to->mean_gradient + 3 * (size_t)to->func_off[at],
          from->mean_gradient + 3 * (size_t)from->func_off[cell], 3 * sizeof(double) * (size_t)nb);
   to->trace_constant[at] = from->trace_constant[cell];
@@ -120,6 +148,7 @@ LitheStatus lth_dg_space_gather(LitheCtx *ctx, const LthMesh *mesh, const LthDgS
   s->mesh = mesh;
   s->n_cells = mesh->n_cells;
   LITHE_TRY_OR(done, lay_out(ctx, s, 1, degree));
+  LITHE_TRY_OR(done, place_bases(ctx, s));
   for (LitheIndex c = 0; c < s->n_cells; c++) copy_cell(spaces[from[c]], of[c], s, c);
 done:
   lth_free(ctx, degree);
@@ -144,7 +173,7 @@ static void to_cell(const LthDgSpace *s, LitheIndex cell, const double x[3], dou
 
 void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], double *phi) {
   int nb = lth_dg_funcs(space, cell);
-  const double *B = space->basis + space->basis_off[cell];
+  const double *B = space->basis[cell];
   double xi[3], m[LTH_DG_MAX_FUNCS];
   to_cell(space, cell, x, xi);
   lth_monomials3_eval(space->degree[cell], xi, m);
@@ -157,7 +186,7 @@ void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], do
 void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double x[3],
                           double *dphi) {
   int nb = lth_dg_funcs(space, cell);
-  const double *B = space->basis + space->basis_off[cell];
+  const double *B = space->basis[cell];
   const int(*e)[3] = lth_monomial3_exponents();
   double xi[3], m[LTH_DG_MAX_FUNCS], dm[LTH_DG_MAX_FUNCS][3];
   to_cell(space, cell, x, xi);
@@ -180,7 +209,7 @@ void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double
 /// x = center + scale m_1..3(xi), and m = B4^{-1} phi on the linear functions.
 static void rest_of_cell(const LthDgSpace *s, LitheIndex cell, double *x0) {
   int nb = lth_dg_funcs(s, cell);
-  const double *B = s->basis + s->basis_off[cell];
+  const double *B = s->basis[cell];
   const double *center = s->center + 3 * (LitheCount)cell, *scale = s->scale + 3 * (LitheCount)cell;
   memset(x0, 0, 3 * (size_t)nb * sizeof *x0);
   for (int a = 0; a < 3; a++) {

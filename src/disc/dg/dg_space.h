@@ -21,8 +21,8 @@ typedef struct LthDgSpace {
   LitheIndex *func_off;   ///< (n_cells + 1)
   double *center;         ///< centroid [m]                              (n_cells x 3)
   double *scale;          ///< half edges of the bounding box [m]        (n_cells x 3)
-  LitheCount *basis_off;  ///< start of the nb x nb lower-triangular rows (n_cells + 1)
-  double *basis;          ///< row-major full squares
+  double **basis;         ///< nb x nb lower-triangular rows of each cell, row-major full squares
+  double *basis_block;    ///< memory of these where no store has them, else NULL
   double *mean_gradient;  ///< mean of grad phi_i over the cell [1/m]    (n_funcs x 3)
   double *trace_constant; ///< C_K [1/m]: int_dK p^2 <= C_K int_K p^2, p of degree k - 1 (n_cells)
 } LthDgSpace;
@@ -31,6 +31,13 @@ typedef struct LthDgSpace {
 /// Cost linear in faces; both cores. LITHE_BAD_INPUT: a cell so flat that no basis exists (names it).
 LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
                                 const uint8_t *cell_degree, LthDgSpace **space);
+
+/// The same with the bases that records of a topology have in a store (dg_store.h): those it knows are taken from there, others
+/// are built and put in. `space` lives no longer than its bases do there.
+typedef struct LthDgRecords LthDgRecords;
+LitheStatus lth_dg_space_create_kept(LitheCtx *ctx, const LthMesh *mesh, int degree,
+                                     const uint8_t *cell_degree, const LthDgRecords *records,
+                                     LthDgSpace **space);
 
 /// Cells of two other spaces with the bases they have there: cell i is cell of[i] of spaces[from[i]]. `mesh`
 /// (borrowed for life) has these cells.

@@ -6,12 +6,12 @@
 enum { MAX_FUNCS = LTH_DG_MAX_FUNCS, MAX_K = LTH_DG_MAX_DEGREE };
 
 static bool same_basis(const LthDgSpace *from, LitheIndex a, const LthDgSpace *to, LitheIndex b) {
-  size_t size = sizeof(double) * (size_t)(from->basis_off[a + 1] - from->basis_off[a]);
+  size_t nb = (size_t)lth_dg_funcs(from, a), size = sizeof(double) * nb * nb;
   return from->degree[a] == to->degree[b] &&
          memcmp(from->center + 3 * (size_t)a, to->center + 3 * (size_t)b, 3 * sizeof(double)) ==
              0 &&
          memcmp(from->scale + 3 * (size_t)a, to->scale + 3 * (size_t)b, 3 * sizeof(double)) == 0 &&
-         memcmp(from->basis + from->basis_off[a], to->basis + to->basis_off[b], size) == 0;
+         memcmp(from->basis[a], to->basis[b], size) == 0;
 }
 
 /// One axis of xi = ratio xi' + shift: (ratio t + shift)^e = sum_d power[e][d] t^d.
@@ -52,7 +52,7 @@ void lth_dg_translate(const LthDgSpace *from, LitheIndex a, const double *coef,
     memcpy(out, coef, 3 * sizeof(double) * (size_t)n);
     return;
   }
-  const double *B = from->basis + from->basis_off[a], *C = to->basis + to->basis_off[b];
+  const double *B = from->basis[a], *C = to->basis[b];
   double alpha[3 * MAX_FUNCS] = {0}, beta[3 * MAX_FUNCS] = {0};
   for (int i = 0; i < n; i++)
     for (int q = 0; q <= i; q++) lth_v3_axpy(B[i * n + q], coef + 3 * i, alpha + 3 * q);
