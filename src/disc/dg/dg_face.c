@@ -1,5 +1,5 @@
 /// Face tables: products of traces by in-plane moments, and the list of inner faces.
-#include "disc/dg/dg_priv.h"
+#include "disc/dg/dg_store_priv.h"
 
 /// Coordinates of a face: x = origin + h (s t1 + t t2).
 typedef struct FaceFrame {
@@ -205,8 +205,17 @@ void lth_dg_integrate_face(LthDgOperator *op, LthDgFace *face) {
   lth_dg_inner_penalty(op, face);
 }
 
+/// Does a face stand behind face f of the mesh, which has the same owner? By neighbour, then by record: the order in which the
+/// faces of a pair are summed outlives changes elsewhere.
+static bool is_behind(const LthDgOperator *op, const LthDgRecords *records, const LthDgFace *face,
+                      LitheIndex f) {
+  LitheIndex other = op->space->mesh->face_cell[2 * f + 1];
+  if (face->cell[1] != other) return face->cell[1] > other;
+  return records && records->face[face->face] > records->face[f];
+}
+
 /// Counting sort of the inner faces by owner, then by neighbour within each owner.
-static void order_faces(LthDgOperator *op) {
+static void order_faces(LthDgOperator *op, const LthDgRecords *records) {
   const LthMesh *mesh = op->space->mesh;
   LitheIndex *next = op->own_face_off; // shifted by one while filling
   for (LitheIndex f = 0; f < mesh->n_faces; f++) {
@@ -214,7 +223,7 @@ static void order_faces(LthDgOperator *op) {
     if (other < 0) continue;
     LitheIndex at = next[owner + 1]++;
     while (at > next[owner] && op->faces[at - 1].cell[0] == owner &&
-           op->faces[at - 1].cell[1] > other) {
+           is_behind(op, records, op->faces + at - 1, f)) {
       op->faces[at] = op->faces[at - 1];
       at--;
     }
@@ -255,7 +264,7 @@ static LitheStatus list_sides(LitheCtx *ctx, LthDgOperator *op) {
   return LITHE_OK;
 }
 
-LitheStatus lth_dg_list_faces(LitheCtx *ctx, LthDgOperator *op) {
+LitheStatus lth_dg_list_faces(LitheCtx *ctx, const LthDgRecords *records, LthDgOperator *op) {
   const LthMesh *mesh = op->space->mesh;
   for (LitheIndex f = 0; f < mesh->n_faces; f++) op->n_faces += mesh->face_cell[2 * f + 1] >= 0;
   LTH_NEW(ctx, op->faces, op->n_faces);
@@ -263,6 +272,6 @@ LitheStatus lth_dg_list_faces(LitheCtx *ctx, LthDgOperator *op) {
   LTH_NEW(ctx, op->side_off, mesh->n_cells + 1);
   LTH_NEW(ctx, op->sides, 2 * (LitheCount)op->n_faces);
   count_faces(op);
-  order_faces(op);
+  order_faces(op, records);
   return list_sides(ctx, op);
 }

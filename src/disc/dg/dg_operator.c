@@ -135,7 +135,7 @@ LitheStatus lth_dg_operator_create(LitheCtx *ctx, const LthDgOperatorDef *def,
   LTH_NEW_OR(done, ctx, op->cell_data, def->space->n_cells);
   LTH_NEW_OR(done, ctx, op->cell_load, def->space->n_dofs);
   LTH_NEW_OR(done, ctx, op->partial, def->space->n_cells);
-  LITHE_TRY_OR(done, lth_dg_list_faces(ctx, op));
+  LITHE_TRY_OR(done, lth_dg_list_faces(ctx, def->records, op));
   LITHE_TRY_OR(done, integrate(ctx, def->records, op));
   lth_dg_measure_penalty(op);
 done:

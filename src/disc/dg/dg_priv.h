@@ -206,7 +206,7 @@ void lth_dg_add_face_mean(const LthDgSpace *space, LitheIndex cell, const LthFac
                           const double centroid[3], double *mean);
 
 /// Inner faces in their order and who meets them.
-LitheStatus lth_dg_list_faces(LitheCtx *ctx, LthDgOperator *op);
+LitheStatus lth_dg_list_faces(LitheCtx *ctx, const LthDgRecords *records, LthDgOperator *op);
 
 /// Tables and penalty of a face; `table` is zero before.
 void lth_dg_integrate_face(LthDgOperator *op, LthDgFace *face);

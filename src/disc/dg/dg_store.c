@@ -5,8 +5,8 @@
 
 /// Doubles of a chunk of memory: more than any one table has.
 #define CHUNK ((LitheCount)1 << 16)
-/// Groups in planes, and with areas, that differ by less are one: pieces of an element change by much more or by rounding.
-#define SAME_GROUP 1e-12
+/// Groups in planes, and with areas, that differ by less are one: a change is much more, and rounding of a small piece less.
+#define SAME_GROUP 1e-9
 
 LitheStatus lth_dg_store_create(LitheCtx *ctx, LthDgStore **store) {
   LTH_NEW(ctx, *store, 1);
