@@ -5,13 +5,15 @@
 #include <omp.h>
 #include <string.h>
 
-#define STRONG 0.1 // of a row's strongest coupling
+#define STRONG 0.1    // of a row's strongest coupling
+#define WEAKEST 0.005 // that aggregates are looked for with
 
 /// Sizes of blocks in the Frobenius norm, scaled by those of the two diagonal blocks.
 typedef struct Strength {
   const LthBlockMatrix *A;
   double *diagonal, *strongest; // of a row  (n_rows)
   float *block;                 // (n_blocks)
+  double least;                 // of what is strong, over a row's strongest coupling
 } Strength;
 
 static double frobenius(const LthBlockMatrix *A, LitheCount block) {
@@ -38,7 +40,7 @@ static void measure(int threads, Strength *s) {
 }
 
 static bool is_strong(const Strength *s, LitheIndex row, LitheCount e) {
-  double limit = STRONG * fmax(s->strongest[row], s->strongest[s->A->block_col[e]]);
+  double limit = s->least * fmax(s->strongest[row], s->strongest[s->A->block_col[e]]);
   return s->block[e] > 0 && s->block[e] >= limit;
 }
 
@@ -89,8 +91,19 @@ static LitheIndex gather_rest(const Strength *s, LitheIndex n, LitheIndex *aggre
   return n;
 }
 
-LitheStatus lth_ml_aggregate(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex *aggregate,
-                             LitheIndex *n_aggregates) {
+/// Aggregates for what counts as strong; `before` (n_rows) is scratch.
+static LitheIndex gather_all(const Strength *s, LitheIndex *before, LitheIndex *aggregate) {
+  for (LitheIndex i = 0; i < s->A->n_rows; i++) aggregate[i] = -1;
+  LitheIndex n = take_roots(s, aggregate);
+  memcpy(before, aggregate, sizeof *before * (size_t)s->A->n_rows);
+  join(s, before, aggregate);
+  return gather_rest(s, n, aggregate);
+}
+
+// Rows of shells and of coarse levels have a few strong neighbours and many weak ones: aggregates of the strong alone are so
+// small that the smoothed prolongation couples nearly all of them.
+LitheStatus lth_ml_aggregate(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex least_rows,
+                             LitheIndex *aggregate, LitheIndex *n_aggregates) {
   LitheStatus status = LITHE_OK;
   Strength s = {.A = A};
   LitheIndex *before = NULL;
@@ -99,11 +112,12 @@ LitheStatus lth_ml_aggregate(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex 
   LTH_NEW_OR(done, ctx, s.block, A->block_off[A->n_rows]);
   LTH_NEW_OR(done, ctx, before, A->n_rows);
   measure(lth_threads(ctx), &s);
-  for (LitheIndex i = 0; i < A->n_rows; i++) aggregate[i] = -1;
-  LitheIndex n = take_roots(&s, aggregate);
-  memcpy(before, aggregate, sizeof *before * (size_t)A->n_rows);
-  join(&s, before, aggregate);
-  *n_aggregates = gather_rest(&s, n, aggregate);
+  s.least = STRONG;
+  *n_aggregates = gather_all(&s, before, aggregate);
+  while (least_rows > 0 && *n_aggregates > A->n_rows / least_rows && s.least > 2 * WEAKEST) {
+    s.least *= 0.5;
+    *n_aggregates = gather_all(&s, before, aggregate);
+  }
 done:
   lth_free(ctx, s.diagonal);
   lth_free(ctx, s.strongest);

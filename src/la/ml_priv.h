@@ -77,9 +77,10 @@ static inline int lth_ml_size(const LthBlockMatrix *A, LitheIndex row) {
 
 // ml_aggregate.c
 
-/// Split the block rows into aggregates of strongly coupled ones; rows without coupling belong to none.
-LitheStatus lth_ml_aggregate(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex *aggregate,
-                             LitheIndex *n_aggregates);
+/// Split the block rows into aggregates of strongly coupled ones; rows without coupling belong to none. Where aggregates have
+/// fewer than `least_rows` rows on the mean, weaker couplings count as strong.
+LitheStatus lth_ml_aggregate(LitheCtx *ctx, const LthBlockMatrix *A, LitheIndex least_rows,
+                             LitheIndex *aggregate, LitheIndex *n_aggregates);
 
 // ml_smooth.c
 

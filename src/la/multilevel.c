@@ -147,7 +147,7 @@ static LitheStatus coarsen(LitheCtx *ctx, LthMultilevel *M, LthLevel *l, bool fi
   if (leading) return lth_ml_leading_create(ctx, l->A, l->lead, coarse);
   if (l->A->n <= COARSE_UNKNOWNS) return LITHE_OK;
   LTH_NEW(ctx, l->aggregate, l->A->n_rows);
-  LITHE_TRY(lth_ml_aggregate(ctx, l->A, l->aggregate, &l->n_aggregates));
+  LITHE_TRY(lth_ml_aggregate(ctx, l->A, M->def.least_rows, l->aggregate, &l->n_aggregates));
   LTH_NEW(ctx, col_off, l->n_aggregates + 1);
   LITHE_TRY_OR(done, lth_ml_tentative_create(ctx, l, col_off));
   LitheCount n = col_off[l->n_aggregates];

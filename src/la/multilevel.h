@@ -10,6 +10,8 @@ typedef struct LthMultilevelDef {
   const double *near; ///< rigid motions by row, instead of `one` and `position`; not kept (n x 6)
   const double *position; ///< coefficients of the map x -> x, or of where bodies are; not kept (n)
   LitheIndex n_linear; ///< leading unknowns of a block row that span the linear functions; 0: all
+  LitheIndex
+      least_rows; ///< of an aggregate on the mean, where the strong couplings alone make smaller ones; 0: any
 } LthMultilevelDef;
 
 typedef struct LthMultilevel LthMultilevel;

@@ -47,6 +47,7 @@ typedef struct Run {
   LthResume *resume;      ///< or NULL: from the beginning
   LthPlace place;         ///< of the step that comes
   const LthRunLook *look; ///< or NULL
+  char reason[400];       ///< why a step found no solution, where it said so
 } Run;
 
 static LitheStatus write_frame(LitheCtx *ctx, Run *run) {
@@ -64,10 +65,12 @@ static LitheStatus change(LitheCtx *ctx, Run *run, double to) {
 
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
-static LitheStatus step(LitheCtx *ctx, const Run *run, double dt, double to) {
+static LitheStatus step(LitheCtx *ctx, Run *run, double dt, double to) {
   LitheStatus status = run->schedule.kind == LTH_TIME_DYNAMIC
                            ? lth_simulation_step(ctx, run->world->sim, dt)
                            : lth_simulation_equilibrium(ctx, run->world->sim, to);
+  if (status == LITHE_NOT_CONVERGED)
+    snprintf(run->reason, sizeof run->reason, "%s", lithe_ctx_message(ctx));
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)
     LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   return status;
@@ -227,7 +230,10 @@ static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
     LitheStatus written = write_json(ctx, result);
     if (written != LITHE_OK) status = written;
   }
-  if (status == LITHE_NOT_CONVERGED)
+  if (status == LITHE_NOT_CONVERGED && run->reason[0])
+    lth_fail(ctx, status, "%s: %s; %s/result.json has the figures", run->scene->file, run->reason,
+             result->folder);
+  else if (status == LITHE_NOT_CONVERGED)
     lth_fail(ctx, status,
              "%s: a solve did not converge; %s/result.json has the figures. What helps: smaller "
              "steps of time or load, more solver.newton.iterations, solver.linear: cholesky",

@@ -10,7 +10,8 @@
 #define ROUNDING (64 * 0x1p-53)
 #define STALLED_WINDOW 3               // iterations without a halved residual that may be rounding
 #define STALLED_ROUNDING (4 * 0x1p-53) // of places and of entries, next to |K| |x|
-#define DAMPING_START 1e-2             // c M over the diagonal of K
+#define LOST 1e-3          // of the loads: rounding of K u that leaves no digits to trust
+#define DAMPING_START 1e-2 // c M over the diagonal of K
 #define DAMPING_GROWTH 4
 #define DAMPING_LOWEST 1e-10
 #define NEAR 1e-2          // residual over the forces' size, for contact by its tangent
@@ -144,9 +145,13 @@ double lth_step_rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
 }
 
 /// Whether forces balance to the tolerance, or as far as rounding lets them: a residual that has stopped
-/// falling may be rounding, and is if it is of that size.
+/// falling may be rounding, and is if it is of that size. The solve of a linear body leaves nothing else.
 static bool is_balanced(LitheCtx *ctx, LthSimulation *s, Search *q) {
-  if (q->residual <= s->options.newton_tolerance * q->scale || q->residual <= q->floor) return true;
+  const double wanted = s->options.newton_tolerance * q->scale;
+  if (q->residual <= wanted || q->residual <= q->floor) return true;
+  if (s->own && !s->system->warped && !s->has_contact && s->report.newton_iterations > 0 &&
+      q->residual <= wanted + lth_step_rounding_of_forces(ctx, s))
+    return true;
   q->stalled = q->residual < 0.5 * q->lowest ? 0 : q->stalled + 1;
   q->lowest = fmin(q->lowest, q->residual);
   return q->stalled >= STALLED_WINDOW && q->residual <= lth_step_rounding_of_forces(ctx, s);
@@ -270,6 +275,30 @@ static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool
   return evaluate(ctx, s, q);
 }
 
+/// A linear body that something does not hold goes so far that the rounding of K u is of the size of the loads: then no
+/// residual tells whether forces balance.
+static LitheStatus check_reach(LitheCtx *ctx, LthSimulation *s) {
+  const double loads = lth_step_norm(ctx, s->n, s->f_ext);
+  if (s->system->warped || s->has_contact || !(loads > 0)) return LITHE_OK;
+  for (LitheCount i = 0; i < s->n; i++)
+    if (s->driven[i] != 0) return LITHE_OK;
+  const double *u = lth_simulation_displacement(s);
+  double far = 0;
+  lth_step_diagonal(s, s->base);
+  for (LitheCount i = 0; i < s->n; i++) {
+    s->base[i] *= 2 * fabs(u[i]);
+    far = fmax(far, fabs(u[i]));
+  }
+  const double rounding = 0x1p-53 * lth_step_norm(ctx, s->n, s->base);
+  if (rounding <= LOST * loads) return LITHE_OK;
+  LITHE_FAIL(
+      ctx, LITHE_NOT_CONVERGED,
+      "equilibrium: the loads move a part of a body by %.3g m, so far that rounding alone makes "
+      "forces of %.2g times the loads: nothing holds that part, or next to nothing; constrain "
+      "it, remove it, or take a stiffer material",
+      far, rounding / loads);
+}
+
 LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t) {
   bool balanced = false, before = s->report.converged;
   Search q = {.t = t, .best = INFINITY, .look = LTH_LOOK_FIRST};
@@ -287,6 +316,7 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
     LITHE_TRY(lth_newton_equilibrium(ctx, s, t, &balanced));
   else
     LITHE_TRY(find_balance(ctx, s, &q, &balanced));
+  LITHE_TRY(check_reach(ctx, s));
   s->report.converged = before && balanced;
   lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
   double t0 = s->t;

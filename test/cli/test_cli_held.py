@@ -161,9 +161,31 @@ def test_floating():
             expect("a_body_free_to_make_%s_is_told" % name, says in r.get("failed", ""), r.get("failed", r.get("probes")))
 
 
+def test_next_to_nothing():
+    """A solve whose displacements leave no digits of the forces does not count as one."""
+    text = """lithe: 1
+bodies:
+  - name: block
+    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}
+    material: {model: linear, young_modulus: "y < 0.25 ? %s : 1e9", poisson_ratio: 0.3, density: 1000}
+    method: {kind: staggered, cells: 12}
+    constraints:
+      - {where: {normal: [0, -1, 0]}, displacement: [0, 0, 0]}
+gravity: [0, -9.81, 0]
+time: {kind: static}
+output: {every: last, fields: [none]}
+"""
+    with folder() as d:
+        lost = result(d, text % "1e-6").get("failed", "")
+        expect("a_block_on_next_to_nothing_is_told", "nothing holds that part, or next to nothing" in lost, lost)
+        soft = result(d, text % "1e5")
+        expect("a_block_on_a_soft_layer_is_at_rest", soft.get("status") == "done", soft)
+
+
 test_curved_boundary()
 test_socket()
 test_elements()
 test_probes()
 test_floating()
+test_next_to_nothing()
 done()

@@ -4,14 +4,16 @@
 
 #include <string.h>
 
-#define CYCLES 4  // of the algebraic levels in one correction
+#define CYCLES 3 // of the algebraic levels in one correction
+#define LEAST_ROWS                                                                                 \
+  8               // clusters of an aggregate on the mean: of fewer the levels of a shell grow dense
 #define LEAST 0.1 // eigenvalue of a cycle that they are made for
 
 /// Factor, make the levels, or let them have new values.
 static LitheStatus refill(LitheCtx *ctx, LthStaggeredClusters *C) {
   if (C->factor) return C->engine->factorize(ctx, C->factor, C->A);
   if (C->levels) return lth_multilevel_update(ctx, C->levels, NULL, NULL);
-  const LthMultilevelDef def = {.A = C->A, .near = C->near};
+  const LthMultilevelDef def = {.A = C->A, .near = C->near, .least_rows = LEAST_ROWS};
   return lth_multilevel_create(ctx, &def, &C->levels);
 }
 
