@@ -55,7 +55,7 @@ static LitheStatus cut_cell(LitheCtx *ctx, Cutting *c, LitheIndex i) {
   memcpy(plane, w->plane, sizeof plane);
   LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, c->tag, c->splits + i, &is_clean));
   if (!is_clean) {
-    lth_topology_take_plane(t, plane, 100 * reach);
+    lth_topology_take_plane(t, plane, LTH_TOPOLOGY_WIDEN * reach);
     LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, c->tag, c->splits + i, &is_clean));
     lth_topology_take_plane(t, plane, reach);
   }

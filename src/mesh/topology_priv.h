@@ -188,6 +188,10 @@ static inline bool lth_topology_visit_face(LthTopology *t, LitheIndex face) {
 
 // topology_points.c
 
+/// A second try takes points this much farther away for points on the plane. A face that is off its plane by d changes
+/// the volume by d times its area when it is divided; more than this would show in the twelfth digit.
+#define LTH_TOPOLOGY_WIDEN 8
+
 /// Take a plane in hand: signs and cuts of others are forgotten. `reach` [m]: closer points are on it.
 void lth_topology_take_plane(LthTopology *t, const double plane[4], double reach);
 /// Forget new points on edges.

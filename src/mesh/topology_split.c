@@ -1,8 +1,7 @@
 /// Splitting a cell by a plane: clip, connect, and only then change records, so that what fails changes nothing.
 #include "mesh/topology_priv.h"
 
-/// A cut that does not come out is tried again with points this much farther away on the plane, so often.
-#define WIDEN 100
+/// A cut that does not come out is tried again with points farther away on the plane, so often in all.
 #define TRIES 2
 
 static LitheStatus drop_fresh(LitheCtx *ctx, LthTopology *t) {
@@ -104,7 +103,7 @@ LitheStatus lth_topology_split(LitheCtx *ctx, LthTopology *t, LitheIndex cell,
   lth_topology_plane(t, plane, p);
   double reach = lth_topology_reach(t, cell, p);
   bool is_clean = false;
-  for (int i = 0; i < TRIES && !is_clean; i++, reach *= WIDEN) {
+  for (int i = 0; i < TRIES && !is_clean; i++, reach *= LTH_TOPOLOGY_WIDEN) {
     lth_topology_take_plane(t, p, reach);
     LITHE_TRY(lth_topology_split_in_hand(ctx, t, cell, tag, split, &is_clean));
   }
