@@ -1,7 +1,7 @@
 /// The part of a VTU file that stays the same while a body moves: which cells and faces there are.
 #include "io/vtu_topology.h"
 
-#include "io/face_polygon.h"
+#include "geometry/face_polygon.h"
 
 #include <string.h>
 

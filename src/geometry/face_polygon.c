@@ -4,7 +4,7 @@
 /// loop that it sees, as Eberly's "Triangulation by ear clipping" does; the resulting polygon, which
 /// touches itself along the bridges, is cut into triangles ear by ear. Quadratic in the points of a face
 /// with holes; such faces are few.
-#include "io/face_polygon.h"
+#include "geometry/face_polygon.h"
 
 #include "base/tensor.h"
 

@@ -1,7 +1,7 @@
 /// Faces as simple polygons: areas add up, orientation is kept, every loop edge stays an edge.
 #include "base/tensor.h"
 #include "check.h"
-#include "io/face_polygon.h"
+#include "geometry/face_polygon.h"
 
 #define MAX_POINTS 400
 
