@@ -49,20 +49,6 @@ static LitheStatus add_groups(LitheCtx *ctx, const LthSoup *first, LthSoup *soup
   return LITHE_OK;
 }
 
-/// Newell's normal of a polygon against that of the boundary.
-static bool is_turned(const LthSoup *s, LitheIndex poly, const double normal[3]) {
-  double sum[3] = {0, 0, 0}, a[3], b[3], cross[3];
-  LitheIndex begin = s->poly_off[poly], end = s->poly_off[poly + 1];
-  const double *x0 = s->points + 3 * (LitheCount)s->poly_point[begin];
-  for (LitheIndex k = begin + 1; k + 1 < end; k++) {
-    lth_v3_sub(s->points + 3 * (LitheCount)s->poly_point[k], x0, a);
-    lth_v3_sub(s->points + 3 * (LitheCount)s->poly_point[k + 1], x0, b);
-    lth_v3_cross(a, b, cross);
-    lth_v3_add(sum, cross, sum);
-  }
-  return lth_v3_dot(sum, normal) < 0;
-}
-
 static void turn(LitheIndex *corner, LitheIndex n) {
   for (LitheIndex i = 1, j = n - 1; i < j; i++, j--) {
     LitheIndex swap = corner[i];
@@ -71,26 +57,19 @@ static void turn(LitheIndex *corner, LitheIndex n) {
   }
 }
 
-/// Turn polygons outward, each as the largest of its pieces says.
-static LitheStatus turn_outward(LitheCtx *ctx, const LthSkin *skin, const LthTopology *t) {
-  LthSoup *s = skin->first;
-  LitheIndex *largest = NULL;
-  LTH_NEW(ctx, largest, s->n_polys);
-  for (LitheIndex f = 0; f < t->n_faces && f < skin->n_faces; f++) {
-    LitheIndex facet = skin->face_facet[f], poly = facet >= 0 ? skin->facet_poly[facet] : -1;
-    if (poly < 0 || !lth_skin_is_boundary(t->faces + f)) continue;
-    skin->has_pieces[facet] = true;
-    if (largest[poly] == 0 || t->faces[f].area > t->faces[largest[poly] - 1].area)
-      largest[poly] = f + 1;
-  }
-  for (LitheIndex p = 0; p < s->n_polys; p++) {
+static void turn_outward(LthSoup *s, const bool *is_inward) {
+  for (LitheIndex p = 0; is_inward && p < s->n_polys; p++) {
     LitheIndex begin = s->poly_off[p], n = s->poly_off[p + 1] - begin;
-    if (largest[p] == 0 || !is_turned(s, p, t->faces[largest[p] - 1].plane)) continue;
+    if (!is_inward[p]) continue;
     turn(s->poly_point + begin, n);
     if (s->poly_uv) turn(s->poly_uv + begin, n);
   }
-  lth_free(ctx, largest);
-  return LITHE_OK;
+}
+
+static void find_pieces(LthSkin *skin, const LthTopology *t) {
+  for (LitheIndex f = 0; f < t->n_faces && f < skin->n_faces; f++)
+    if (skin->face_facet[f] >= 0 && lth_skin_is_boundary(t->faces + f))
+      skin->has_pieces[skin->face_facet[f]] = true;
 }
 
 /// The lowest cell that has each point in its boundary.
@@ -123,7 +102,8 @@ static LitheStatus build(LitheCtx *ctx, const LthSkinDef *def, LthSkin *skin) {
   LITHE_TRY(copy(ctx, def->face_facet, def->n_faces, sizeof *skin->face_facet,
                  (void **)&skin->face_facet));
   LTH_NEW(ctx, skin->has_pieces, skin->n_facets);
-  LITHE_TRY(turn_outward(ctx, skin, t));
+  find_pieces(skin, t);
+  turn_outward(skin->first, def->is_inward);
   LITHE_TRY(copy_soup(ctx, skin->first, &skin->soup));
   LITHE_TRY(add_groups(ctx, skin->first, skin->soup));
   LITHE_TRY(copy(ctx, def->point, n, sizeof *skin->point, (void **)&skin->point));

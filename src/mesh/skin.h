@@ -7,9 +7,10 @@
 /// What a skin begins with; everything is copied.
 typedef struct LthSkinDef {
   const LthTopology *topology; ///< before its first cut
-  const LthSoup *soup;         ///< its boundary as polygons, in any orientation
-  const LitheIndex *point;     ///< point of the topology of each of the soup's, -1: none (n_points)
-  LitheIndex n_facets;         ///< plane parts of the polygons: triangles
+  const LthSoup *soup;         ///< its boundary as polygons
+  const bool *is_inward; ///< polygons that run clockwise as seen from outside, NULL: none (n_polys)
+  const LitheIndex *point; ///< point of the topology of each of the soup's, -1: none (n_points)
+  LitheIndex n_facets;     ///< plane parts of the polygons: triangles
   const LitheIndex *facet_poly; ///< polygon of each                              (n_facets)
   const LitheIndex *face_facet; ///< facet of each face that the topology began with, -1: inside it
   LitheIndex n_faces;

@@ -151,6 +151,13 @@ LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among sev
 void lth_body_free_touch(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
 
+/// The embedded surface: the scene's file, the shape's file, the tessellated shape, or without a shape the
+/// boundary of the mesh file. Nothing where the body has one.
+LitheStatus lth_body_choose_soup(LitheCtx *ctx, LthBody *body);
+
+/// Triangles as polygons. Free with lth_soup_destroy().
+LitheStatus lth_surface_as_soup(LitheCtx *ctx, const LthSurface *surface, LthSoup **soup);
+
 /// Tessellate the shape where the body has no surface yet.
 LitheStatus lth_body_make_surface(LitheCtx *ctx, LthBody *body);
 

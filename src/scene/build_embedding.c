@@ -1,11 +1,11 @@
 /// The surface that follows a body.
-#include "scene/body.h"
+#include "scene/change.h"
+#include "scene/cut_surface.h"
 
 #include <math.h>
 #include <string.h>
 
-/// A triangle surface as polygons of its own.
-static LitheStatus soup_from_surface(LitheCtx *ctx, const LthSurface *surface, LthSoup **soup) {
+LitheStatus lth_surface_as_soup(LitheCtx *ctx, const LthSurface *surface, LthSoup **soup) {
   LTH_NEW(ctx, *soup, 1);
   LthSoup *s = *soup;
   s->n_points = surface->n_points;
@@ -26,10 +26,9 @@ LitheStatus lth_body_make_surface(LitheCtx *ctx, LthBody *body) {
   return lth_shape_tessellate(ctx, &def->shape, resolution, &body->surface);
 }
 
-/// The embedded surface: the scene's file, the shape's file, the tessellated shape, or without a shape the
-/// boundary of the mesh file.
-static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
+LitheStatus lth_body_choose_soup(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
+  if (body->soup) return LITHE_OK;
   body->soup = def->embed_soup ? def->embed_soup : def->soup;
   if (body->soup) return LITHE_OK;
   if (!def->has_shape) {
@@ -38,7 +37,7 @@ static LitheStatus choose_soup(LitheCtx *ctx, LthBody *body) {
     return LITHE_OK;
   }
   LITHE_TRY(lth_body_make_surface(ctx, body));
-  LITHE_TRY(soup_from_surface(ctx, body->surface, &body->own_soup));
+  LITHE_TRY(lth_surface_as_soup(ctx, body->surface, &body->own_soup));
   body->soup = body->own_soup;
   return LITHE_OK;
 }
@@ -50,6 +49,11 @@ static LitheStatus known_cells(LitheCtx *ctx, const LthBody *body, LitheIndex *c
   LitheIndex n_known = body->mesh ? body->mesh->n_surface_points : 0;
   const LitheIndex *map = def->surface ? def->surface->soup_point : NULL;
   bool is_sliced = n_known > 0 && lth_body_embeds_shape(body);
+  const LthCutSurface *cut = body->change ? body->change->surface : NULL;
+  if (cut && cut->is_cut) {
+    memcpy(cells, cut->cell, sizeof *cells * (size_t)body->soup->n_points);
+    return LITHE_OK;
+  }
   for (LitheIndex i = 0; i < body->soup->n_points; i++) cells[i] = -1;
   if (!is_sliced) return LITHE_OK;
   LTH_NEW(ctx, surface_cells, n_known);
@@ -98,9 +102,8 @@ LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, c
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
-  bool is_first = !body->soup;
-  if (is_first) LITHE_TRY(choose_soup(ctx, body));
-  if (is_first) warn_of_far_points(ctx, body);
+  LITHE_TRY(lth_body_choose_soup(ctx, body));
+  if (!body->sim) warn_of_far_points(ctx, body);
   LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
   LITHE_TRY_OR(done, known_cells(ctx, body, cells));
   LITHE_TRY_OR(done, lth_build_points(ctx, body, body->soup->n_points, body->soup->points, cells,

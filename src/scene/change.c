@@ -1,5 +1,6 @@
 /// What a body whose elements change has besides its mesh: topology, numbers, degrees, notes.
 #include "scene/change.h"
+#include "scene/cut_surface.h"
 
 #include <string.h>
 
@@ -43,7 +44,8 @@ LitheStatus lth_body_change_begin(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY(list_records(ctx, body->mesh, c));
   LITHE_TRY(index_records(ctx, body->mesh->n_cells, c));
   LITHE_TRY(make_room(ctx, c));
-  return lth_build_degrees(ctx, body, c->degree);
+  LITHE_TRY(lth_build_degrees(ctx, body, c->degree));
+  return body->scene->n_cuts > 0 ? lth_cut_surface_begin(ctx, body) : LITHE_OK;
 }
 
 void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
@@ -51,6 +53,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   if (!c) return;
   if (c->first != body->mesh) lth_mesh_destroy(ctx, &c->first);
   lth_mesh_destroy(ctx, &c->atoms);
+  lth_cut_surface_end(ctx, &c->surface);
   lth_topology_destroy(ctx, &c->topology);
   void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
                     c->degree,      c->atom_record, c->planes,      c};
@@ -126,6 +129,7 @@ LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body) {
   LitheIndex *cell_record = NULL, *face_record = NULL;
   LITHE_TRY(lth_body_change_inherit(ctx, body));
   LitheStatus status = lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record);
+  if (status == LITHE_OK) status = lth_cut_surface_follow(ctx, body, mesh, cell_record);
   if (status != LITHE_OK) {
     lth_mesh_destroy(ctx, &mesh);
     lth_free(ctx, cell_record);

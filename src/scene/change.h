@@ -8,6 +8,8 @@
 #include "mesh/topology.h"
 #include "scene/world.h"
 
+typedef struct LthCutSurface LthCutSurface; // cut_surface.h
+
 /// A cell that a plane went through, in the order of the cuts: what else lies along it (an embedded surface) is cut too.
 typedef struct LthCutPlane {
   LitheIndex tag;  ///< of the faces that it made: LTH_TAG_CUT - k, or -1 where it divides only
@@ -38,6 +40,8 @@ struct LthBodyChange {
   LthMesh *atoms; ///< NULL: nothing was merged
   LitheIndex *atom_record;
 
+  LthCutSurface
+      *surface;        ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
   LthCutPlane *planes; ///< since the last renewal
   LitheIndex n_planes;
   LitheCount cap_planes;

@@ -4,6 +4,7 @@
 /// they are, then cuts them there.
 #pragma once
 
+#include "io/json.h"
 #include "scene/world.h"
 
 /// history.csv: one row an output time.
@@ -47,6 +48,10 @@ typedef struct LthSurfaceOutput LthSurfaceOutput;
 /// `period` is the time between frames [s].
 LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                                     double period, bool resumes, LthSurfaceOutput **out);
+/// The body's elements are others: where its surface has other points, numbered .obj follow in place of the cache.
+LitheStatus lth_surface_output_renew(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body);
+/// Object `surface`: how many frames a cache that a cut has ended holds, and what follows it.
+void lth_surface_output_put(LthJson *json, const LthSurfaceOutput *out);
 LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body);
 void lth_surface_output_archive(LthSurfaceOutput *out, LthArchive *archive);
 LitheStatus lth_surface_output_close(LitheCtx *ctx, LthSurfaceOutput **out);

@@ -1,11 +1,15 @@
-/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl.
+/// The embedded surface: surface.obj (at rest) with surface.pc2, numbered .obj .ply .stl. A cut while the run goes on ends
+/// the cache, which has one number of points for all frames: numbered .obj follow.
 #include "io/file.h"
 #include "io/pc2.h"
 #include "io/surface_file.h"
+#include "scene/change.h"
+#include "scene/cut_surface.h"
 #include "scene/observe.h"
 
 #include "base/tensor.h"
 
+#include <stdio.h>
 #include <string.h>
 
 struct LthSurfaceOutput {
@@ -13,7 +17,8 @@ struct LthSurfaceOutput {
   LthPc2 *pc2;
   double *points; ///< deformed, in the space of the output   (n x 3)
   LitheIndex n_frames;
-  bool kinds[3]; ///< numbered .obj, .ply, .stl
+  LitheIndex n_cached; ///< frames in the cache when a cut ended it, -1: it goes on
+  bool kinds[3];       ///< numbered .obj, .ply, .stl
   bool in_file_space;
   double inverse[9], shift[3]; ///< file = inverse (scene - shift)
 };
@@ -23,6 +28,11 @@ static bool is_wanted(const LthBody *body) {
   const LthScene *scene = body->scene;
   if (!body->embedding) return false;
   return scene->surface_pc2 || scene->surface_obj || scene->surface_ply || scene->surface_stl;
+}
+
+/// Has a cut changed the surface since the run began?
+static bool has_other_points(const LthBody *body) {
+  return body->change && body->change->surface && body->change->surface->has_changed;
 }
 
 /// Invert scene = A file + b.
@@ -82,7 +92,34 @@ LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const Lth
   (*out)->in_file_space = body->scene->output_in_file_space;
   if ((*out)->in_file_space) LITHE_TRY(invert(ctx, body->def, *out));
   LTH_NEW(ctx, (*out)->points, 3 * (LitheCount)body->soup->n_points);
-  return body->scene->surface_pc2 ? open_cache(ctx, body, period, resumes, *out) : LITHE_OK;
+  (*out)->n_cached = -1;
+  if (!body->scene->surface_pc2) return LITHE_OK;
+  // of a run that goes on behind a cut the cache is complete
+  if (resumes && has_other_points(body)) return LITHE_OK;
+  return open_cache(ctx, body, period, resumes, *out);
+}
+
+LitheStatus lth_surface_output_renew(LitheCtx *ctx, LthSurfaceOutput *out, const LthBody *body) {
+  if (!is_wanted(body) || !has_other_points(body)) return LITHE_OK;
+  lth_free(ctx, out->points);
+  LTH_NEW(ctx, out->points, 3 * (LitheCount)body->soup->n_points);
+  if (!out->pc2) return LITHE_OK;
+  out->n_cached = out->n_frames;
+  out->kinds[0] = true;
+  return lth_pc2_close(ctx, &out->pc2);
+}
+
+void lth_surface_output_put(LthJson *json, const LthSurfaceOutput *out) {
+  char name[300];
+  if (!out || out->n_cached < 0) return;
+  lth_json_begin_object(json, "surface");
+  lth_json_integer(json, "pc2_frames", out->n_cached);
+  snprintf(name, sizeof name, "%s_%04d.obj", out->stem, out->n_cached);
+  lth_json_string(json, "numbered_from", name);
+  lth_json_string(json, "why",
+                  "a cut gave the surface other points, of which a pc2 cache has the same number "
+                  "in all frames");
+  lth_json_end_object(json);
 }
 
 typedef LitheStatus WriteFn(LitheCtx *ctx, const char *path, const LthSoup *soup,
@@ -102,8 +139,8 @@ LitheStatus lth_surface_output_frame(LitheCtx *ctx, LthSurfaceOutput *out, const
   if (!is_wanted(body)) return LITHE_OK;
   lth_embedding_apply(body->embedding, lth_threads(ctx), lth_body_displacement(body), out->points);
   to_output_space(out, body->soup->n_points, out->points);
-  if (scene->surface_pc2) LITHE_TRY(lth_pc2_append(ctx, out->pc2, out->points));
-  if (scene->surface_obj) LITHE_TRY(write_numbered(ctx, out, body, "obj", lth_soup_write_obj));
+  if (out->pc2) LITHE_TRY(lth_pc2_append(ctx, out->pc2, out->points));
+  if (out->kinds[0]) LITHE_TRY(write_numbered(ctx, out, body, "obj", lth_soup_write_obj));
   if (scene->surface_ply) LITHE_TRY(write_numbered(ctx, out, body, "ply", lth_soup_write_ply));
   if (scene->surface_stl) LITHE_TRY(write_numbered(ctx, out, body, "stl", lth_soup_write_stl));
   out->n_frames++;
@@ -123,6 +160,8 @@ static LitheStatus remove_rest(LitheCtx *ctx, const LthSurfaceOutput *out) {
 
 void lth_surface_output_archive(LthSurfaceOutput *out, LthArchive *archive) {
   LTH_ARCHIVE(archive, out->n_frames);
+  LTH_ARCHIVE(archive, out->n_cached);
+  out->kinds[0] = out->kinds[0] || out->n_cached >= 0;
   if (out->pc2) lth_pc2_archive(out->pc2, archive);
 }
 

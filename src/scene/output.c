@@ -61,6 +61,7 @@ LitheStatus lth_output_renew(LitheCtx *ctx, LthOutput *out, const LthWorld *worl
   for (LitheIndex b = 0; b < out->n_bodies; b++) {
     const LthBody *body = world->bodies[b];
     if (body->change) LITHE_TRY(lth_fields_renew(ctx, out->fields[b], body));
+    LITHE_TRY(lth_surface_output_renew(ctx, out->surface[b], body));
   }
   return LITHE_OK;
 }

@@ -1,5 +1,6 @@
 /// Renewal of a world whose bodies have other elements than before.
 #include "scene/renew.h"
+#include "scene/cut_surface.h"
 
 #include <string.h>
 
@@ -155,6 +156,7 @@ static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
   LitheIndex *cell_record = NULL, *face_record = NULL;
   LITHE_TRY(lth_body_change_inherit(ctx, body));
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));
+  LITHE_TRY_OR(done, lth_cut_surface_follow(ctx, body, mesh, cell_record));
   lth_renewal_take_parts(body, r);
   body->mesh = mesh;
   mesh = NULL;

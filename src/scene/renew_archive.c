@@ -1,4 +1,5 @@
 /// Changed elements in a checkpoint: the topology, and what a run has found for its cells. The rest follows from them.
+#include "scene/cut_surface.h"
 #include "scene/renew.h"
 
 /// What does not follow from the mesh alone: bases and constants of cells are those of the cells that they were parts of.
@@ -61,6 +62,7 @@ static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRen
   LITHE_TRY_OR(done, status);
   LITHE_TRY_OR(done, begin_cells(ctx, body));
   walk_cells(a, body);
+  lth_cut_surface_archive(body, a);
   LITHE_TRY_OR(done, a->status);
   LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
 done:
@@ -116,5 +118,6 @@ void lth_world_change_archive(LthWorld *world, LthArchive *a) {
     if (!body->change) continue;
     walk_topology(a, body->change);
     walk_cells(a, body);
+    lth_cut_surface_archive(body, a);
   }
 }

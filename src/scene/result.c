@@ -105,7 +105,8 @@ static LitheStatus put_stress(LitheCtx *ctx, LthJson *json, LitheIndex n, LthBod
   return LITHE_OK;
 }
 
-static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
+static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at,
+                            const LthSurfaceOutput *surface) {
   const LthBody *body = *at;
   double penalty[2], largest;
   const LthBlockMatrix *K = lth_simulation_matrix(body->sim);
@@ -128,14 +129,16 @@ static LitheStatus put_body(LitheCtx *ctx, LthJson *json, LthBody *const *at) {
     LITHE_TRY(put_displacement(ctx, json, 1, at, &largest));
     LITHE_TRY(put_stress(ctx, json, 1, at, &largest));
   }
+  lth_surface_output_put(json, surface);
   lth_json_end_object(json);
   return LITHE_OK;
 }
 
-static LitheStatus put_bodies(LitheCtx *ctx, LthJson *json, const LthWorld *world) {
+static LitheStatus put_bodies(LitheCtx *ctx, LthJson *json, const LthResultInput *in) {
+  const LthWorld *world = in->world;
   lth_json_begin_array(json, "bodies");
   for (LitheIndex b = 0; b < world->n_bodies; b++)
-    LITHE_TRY(put_body(ctx, json, world->bodies + b));
+    LITHE_TRY(put_body(ctx, json, world->bodies + b, in->out->surface[b]));
   lth_json_end_array(json);
   return LITHE_OK;
 }
@@ -339,7 +342,7 @@ static LitheStatus put_all(LitheCtx *ctx, const LthResultInput *in, LthJson *jso
   lth_json_string(json, "version", lithe_version());
   lth_json_string(json, "status", status_word(in->status));
   lth_json_number(json, "simulated", lth_simulation_time(world->sim));
-  LITHE_TRY(put_bodies(ctx, json, world));
+  LITHE_TRY(put_bodies(ctx, json, in));
   LITHE_TRY(put_state(ctx, json, world, summary));
   put_energy(json, report);
   LITHE_TRY(put_reactions(ctx, json, world));

@@ -14,6 +14,7 @@ typedef struct LthTimes {
 typedef struct LthResultInput {
   const LthWorld *world;
   const LthProbes *probes;
+  const LthOutput *out;
   LitheStatus status; ///< LITHE_OK, LITHE_NOT_CONVERGED or LITHE_INTERRUPTED
   LthTimes times;
   double condition; ///< NaN: not asked for

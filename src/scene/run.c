@@ -157,7 +157,8 @@ static void summarise(const Run *run, LitheResult *result) {
 
 /// What is worth telling about a run that ended, ended early or did not converge.
 static LitheStatus conclude(LitheCtx *ctx, Run *run, LitheStatus status, LitheResult *result) {
-  LthResultInput input = {.world = run->world, .probes = run->out.probes, .status = status};
+  LthResultInput input = {
+      .world = run->world, .probes = run->out.probes, .out = &run->out, .status = status};
   LITHE_TRY(study_matrix(ctx, run, result->folder, &input.condition));
   run->times.output = run->out.seconds;
   run->times.total = run->times.read + lth_now() - run->start;
