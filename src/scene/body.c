@@ -6,6 +6,8 @@
 
 static LitheStatus build_operator(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
+  LthDgRecords records = {0};
+  if (body->change) records = lth_body_records(body);
   LthDgOperatorDef op = {.space = body->space,
                          .young = body->young,
                          .poisson = body->poisson,
@@ -15,7 +17,8 @@ static LitheStatus build_operator(LitheCtx *ctx, LthBody *body) {
                          .warped = body->warped,
                          .held = body->strong ? lth_dg_strong_held(body->strong) : NULL,
                          .weak = body->weak,
-                         .n_weak = body->n_weak};
+                         .n_weak = body->n_weak,
+                         .records = body->change ? &records : NULL};
   return lth_dg_operator_create(ctx, &op, &body->op);
 }
 
@@ -116,16 +119,24 @@ void lth_body_elastic(const LthBody *body, LitheIndex cell, double *young, doubl
   *poisson = lth_value_at(&body->def->materials[entry].material.poisson, x, 0);
 }
 
-static LitheStatus build_space(LitheCtx *ctx, LthBody *body) {
+/// A space whose elements change, with the bases that are known.
+static LitheStatus build_kept_space(LitheCtx *ctx, LthBody *body, uint8_t *degree) {
+  LthDgRecords records = lth_body_records(body);
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++)
+    degree[c] = body->change->degree[records.cell[c]];
+  return lth_dg_space_create_kept(ctx, body->mesh, 0, degree, &records, &body->space);
+}
+
+LitheStatus lth_body_build_space(LitheCtx *ctx, LthBody *body) {
   uint8_t *degree = NULL;
-  LTH_NEW(ctx, degree, body->mesh->n_cells);
   LitheStatus status = LITHE_OK;
-  if (body->change) // as its elements began
-    for (LitheIndex c = 0; c < body->mesh->n_cells; c++)
-      degree[c] = body->change->degree[body->change->cell_record[c]];
-  else
+  LTH_NEW(ctx, degree, body->mesh->n_cells);
+  if (body->change) {
+    status = build_kept_space(ctx, body, degree);
+  } else {
     status = lth_build_degrees(ctx, body, degree);
-  if (status == LITHE_OK) status = lth_dg_space_create(ctx, body->mesh, 0, degree, &body->space);
+    if (status == LITHE_OK) status = lth_dg_space_create(ctx, body->mesh, 0, degree, &body->space);
+  }
   lth_free(ctx, degree);
   return status;
 }
@@ -137,7 +148,7 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
     LITHE_TRY(lth_build_nodes(ctx, body));
     return lth_build_loads(ctx, body);
   }
-  if (!body->space) LITHE_TRY(build_space(ctx, body));
+  if (!body->space) LITHE_TRY(lth_body_build_space(ctx, body));
   if (!body->label) LITHE_TRY(lth_build_material(ctx, body));
   LITHE_TRY(lth_build_constraints(ctx, body));
   LITHE_TRY(lth_build_loads(ctx, body));

@@ -83,6 +83,9 @@ LitheStatus lth_body_build_parts(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
                                  LthBody **body);
 
+/// Basis functions of a dg body's cells.
+LitheStatus lth_body_build_space(LitheCtx *ctx, LthBody *body);
+
 /// What a check needs on top of the mesh: material, selections, operator.
 LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body);
 

@@ -41,6 +41,7 @@ LitheStatus lth_body_change_begin(LitheCtx *ctx, LthBody *body) {
   LthBodyChange *c = body->change;
   c->first = body->mesh;
   LITHE_TRY(lth_topology_create(ctx, body->mesh, &c->topology));
+  LITHE_TRY(lth_dg_store_create(ctx, &c->store));
   LITHE_TRY(list_records(ctx, body->mesh, c));
   LITHE_TRY(index_records(ctx, body->mesh->n_cells, c));
   LITHE_TRY(make_room(ctx, c));
@@ -55,6 +56,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   lth_mesh_destroy(ctx, &c->atoms);
   lth_cut_surface_end(ctx, &c->surface);
   lth_topology_destroy(ctx, &c->topology);
+  lth_dg_store_destroy(ctx, &c->store);
   void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
                     c->degree,      c->atom_record, c->planes,      c};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
@@ -101,14 +103,27 @@ static void clear_dead(LthBodyChange *c) {
     c->level[log->dead_cells[i]] = c->degree[log->dead_cells[i]] = 0;
 }
 
-LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
-                                   LitheIndex *face_record) {
+void lth_body_change_take(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
+                          LitheIndex *face_record) {
   LthBodyChange *c = body->change;
+  if (c->cell_record == cell_record) return;
   lth_free(ctx, c->cell_record);
   lth_free(ctx, c->face_record);
   c->cell_record = cell_record;
   c->face_record = face_record;
+}
+
+LthDgRecords lth_body_records(const LthBody *body) {
+  const LthBodyChange *c = body->change;
+  return (LthDgRecords){c->store, c->cell_record, c->face_record, NULL};
+}
+
+LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
+                                   LitheIndex *face_record) {
+  LthBodyChange *c = body->change;
+  lth_body_change_take(ctx, body, cell_record, face_record);
   clear_dead(c);
+  LITHE_TRY(lth_dg_store_forget(ctx, c->store, c->topology));
   lth_mesh_destroy(ctx, &c->atoms);
   lth_free(ctx, c->atom_record);
   c->atom_record = NULL;

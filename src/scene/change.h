@@ -5,7 +5,7 @@
 /// merged, lth_body_change_hold() and the merges, then lth_world_renew(), then the observers (lth_output_renew()).
 #pragma once
 
-#include "mesh/topology.h"
+#include "disc/dg/dg_store.h"
 #include "scene/world.h"
 
 typedef struct LthCutSurface LthCutSurface; // cut_surface.h
@@ -41,7 +41,9 @@ struct LthBodyChange {
   LitheIndex *atom_record;
 
   LthCutSurface
-      *surface;        ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
+      *surface;      ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
+  LthDgStore *store; ///< integrals by record
+
   LthCutPlane *planes; ///< since the last renewal
   LitheIndex n_planes;
   LitheCount cap_planes;
@@ -71,7 +73,14 @@ LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_body_present_mesh(LitheCtx *ctx, const LthBody *body, LthMesh **mesh,
                                   LitheIndex **cell_record, LitheIndex **face_record);
 
-/// Take over what lth_body_present_mesh() gave, when body->mesh is that; forget the log.
+/// Take over the numbers that lth_body_present_mesh() gave, when body->mesh is that: spaces and operators built from now on share the
+/// integrals of untouched records. `record_cell` and the log are still those of before.
+void lth_body_change_take(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
+                          LitheIndex *face_record);
+/// The present numbers, for spaces and operators of a body that changes.
+LthDgRecords lth_body_records(const LthBody *body);
+
+/// Take them over, if that is not done, and forget the log.
 LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
                                    LitheIndex *face_record);
 

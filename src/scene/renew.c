@@ -16,56 +16,6 @@ void lth_renewal_free(LitheCtx *ctx, LthRenewal *r) {
   *r = (LthRenewal){0};
 }
 
-// --- space ---
-
-/// A new cell keeps the basis that its record had.
-static bool is_kept(const LthBody *body, const LthBody *old, LitheIndex record) {
-  const LthBodyChange *c = body->change;
-  if (c->topology->cells[record].is_new || record >= c->n_records) return false;
-  LitheIndex cell = c->record_cell[record];
-  return cell >= 0 && old->space->degree[cell] == c->degree[record];
-}
-
-/// Bases of cells that had none: on a mesh of these alone.
-static LitheStatus build_fresh(LitheCtx *ctx, const LthBody *body, LitheIndex n,
-                               const LitheIndex *records, LthMesh **mesh, LthDgSpace **space) {
-  const LthBodyChange *c = body->change;
-  uint8_t *degree = NULL;
-  LITHE_TRY(lth_topology_mesh(ctx, c->topology, n, records, mesh, NULL, NULL));
-  LTH_NEW(ctx, degree, n);
-  for (LitheIndex i = 0; i < n; i++) degree[i] = c->degree[records[i]];
-  LitheStatus status = lth_dg_space_create(ctx, *mesh, 0, degree, space);
-  lth_free(ctx, degree);
-  return status;
-}
-
-static LitheStatus renew_space(LitheCtx *ctx, LthBody *body, const LthBody *old,
-                               const LitheIndex *cell_record) {
-  LitheStatus status = LITHE_OK;
-  LitheIndex n = body->mesh->n_cells, n_fresh = 0, *fresh = NULL, *of = NULL;
-  uint8_t *from = NULL;
-  LthMesh *mesh = NULL;
-  LthDgSpace *space = NULL;
-  LTH_NEW_OR(done, ctx, fresh, n);
-  LTH_NEW_OR(done, ctx, of, n);
-  LTH_NEW_OR(done, ctx, from, n);
-  for (LitheIndex i = 0; i < n; i++) {
-    from[i] = !is_kept(body, old, cell_record[i]);
-    of[i] = from[i] ? n_fresh : body->change->record_cell[cell_record[i]];
-    if (from[i]) fresh[n_fresh++] = cell_record[i];
-  }
-  if (n_fresh > 0) LITHE_TRY_OR(done, build_fresh(ctx, body, n_fresh, fresh, &mesh, &space));
-  const LthDgSpace *spaces[2] = {old->space, space};
-  LITHE_TRY_OR(done, lth_dg_space_gather(ctx, body->mesh, spaces, from, of, &body->space));
-done:
-  lth_dg_space_destroy(ctx, &space);
-  lth_mesh_destroy(ctx, &mesh);
-  lth_free(ctx, fresh);
-  lth_free(ctx, of);
-  lth_free(ctx, from);
-  return status;
-}
-
 // --- what old and new cells have in common ---
 
 /// Atoms are the cells before merges, or where nothing was merged the new ones.
@@ -161,12 +111,14 @@ static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
   body->mesh = mesh;
   mesh = NULL;
   body->mesh->n_merged = r->old.mesh->n_merged;
-  LITHE_TRY_OR(done, renew_space(ctx, body, &r->old, cell_record));
   LITHE_TRY_OR(done, find_atoms(ctx, body, cell_record, r));
+  lth_body_change_take(ctx, body, cell_record, face_record);
+  cell_record = face_record = NULL;
+  LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
   LITHE_TRY_OR(done, inherit_material(ctx, body, r));
   LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
-  LITHE_TRY_OR(done, lth_body_change_number(ctx, body, cell_record, face_record));
-  cell_record = face_record = NULL;
+  LITHE_TRY_OR(done, lth_body_change_number(ctx, body, body->change->cell_record,
+                                            body->change->face_record));
 done:
   lth_mesh_destroy(ctx, &mesh);
   lth_free(ctx, cell_record);
@@ -275,6 +227,14 @@ static LitheStatus rebuild(LitheCtx *ctx, LthWorld *world, const LthWorld *old,
   return lth_world_carry_contacts(ctx, world, old, renewals);
 }
 
+/// The spaces and operators of before are gone.
+static LitheStatus settle_stores(LitheCtx *ctx, LthWorld *world) {
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    if (world->bodies[b]->change)
+      LITHE_TRY(lth_dg_store_settle(ctx, world->bodies[b]->change->store));
+  return LITHE_OK;
+}
+
 LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world) {
   LitheStatus status = LITHE_OK;
   LthWorld old;
@@ -290,5 +250,5 @@ done:
   lth_world_free_taken(ctx, &old);
   for (LitheIndex b = 0; b < world->n_bodies; b++) lth_renewal_free(ctx, renewals + b);
   lth_free(ctx, renewals);
-  return status;
+  return status == LITHE_OK ? settle_stores(ctx, world) : status;
 }

@@ -2,10 +2,11 @@
 #include "scene/cut_surface.h"
 #include "scene/renew.h"
 
-/// What does not follow from the mesh alone: bases and constants of cells are those of the cells that they were parts of.
+/// What does not follow from the mesh alone: integrals are those of when a record was new, constants of cells those of the cells
+/// that they were parts of.
 static void walk_cells(LthArchive *a, LthBody *body) {
   LitheCount n = body->mesh->n_cells;
-  lth_dg_space_archive(body->space, a);
+  lth_dg_store_archive(body->change->store, a);
   LTH_ARCHIVE_ARRAY(a, body->label, n);
   LTH_ARCHIVE_ARRAY(a, body->young, n);
   LTH_ARCHIVE_ARRAY(a, body->poisson, n);
@@ -30,20 +31,13 @@ static void walk_topology(LthArchive *a, LthBodyChange *c) {
 
 /// Room for what walk_cells() reads.
 static LitheStatus begin_cells(LitheCtx *ctx, LthBody *body) {
-  LitheStatus status = LITHE_OK;
-  const LthBodyChange *c = body->change;
   LitheIndex n = body->mesh->n_cells;
-  uint8_t *degree = NULL;
   LTH_NEW(ctx, body->label, n);
   LTH_NEW(ctx, body->young, n);
   LTH_NEW(ctx, body->poisson, n);
   LTH_NEW(ctx, body->density, n);
   LTH_NEW(ctx, body->yield, n);
-  LTH_NEW(ctx, degree, n);
-  for (LitheIndex i = 0; i < n; i++) degree[i] = c->degree[c->cell_record[i]];
-  status = lth_dg_space_create(ctx, body->mesh, 0, degree, &body->space);
-  lth_free(ctx, degree);
-  return status;
+  return LITHE_OK;
 }
 
 static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRenewal *r) {
@@ -64,6 +58,7 @@ static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRen
   walk_cells(a, body);
   lth_cut_surface_archive(body, a);
   LITHE_TRY_OR(done, a->status);
+  LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
   LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
 done:
   lth_mesh_destroy(ctx, &mesh);

@@ -227,7 +227,8 @@ static LitheStatus renew(LitheCtx *ctx, LthDgLive *live, double t, LthDgLiveRepo
   LITHE_TRY_OR(done, integrate(ctx, live, &p));
   double integrated = lth_now();
   LITHE_TRY_OR(done, assemble(ctx, live, &p, t, &report->n_blocks));
-  LITHE_TRY_OR(done, lth_dg_store_settle(ctx, live->store, live->def.topology));
+  LITHE_TRY_OR(done, lth_dg_store_forget(ctx, live->store, live->def.topology));
+  LITHE_TRY_OR(done, lth_dg_store_settle(ctx, live->store));
   report->n_bases = live->store->count.bases - before.bases;
   report->n_faces = live->store->count.faces - before.faces;
   report->n_matrices = live->store->count.matrices - before.matrices;

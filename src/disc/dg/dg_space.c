@@ -157,16 +157,6 @@ done:
   return status;
 }
 
-void lth_dg_space_archive(LthDgSpace *s, LthArchive *a) {
-  LitheCount n = s->n_cells;
-  LTH_ARCHIVE_ARRAY(a, s->center, 3 * n);
-  LTH_ARCHIVE_ARRAY(a, s->scale, 3 * n);
-  for (LitheIndex c = 0; c < s->n_cells; c++)
-    LTH_ARCHIVE_ARRAY(a, s->basis[c], lth_dg_funcs(s, c) * lth_dg_funcs(s, c));
-  LTH_ARCHIVE_ARRAY(a, s->mean_gradient, 3 * (LitheCount)s->n_funcs);
-  LTH_ARCHIVE_ARRAY(a, s->trace_constant, n);
-}
-
 static void to_cell(const LthDgSpace *s, LitheIndex cell, const double x[3], double xi[3]) {
   for (int i = 0; i < 3; i++)
     xi[i] = (x[i] - s->center[3 * (LitheCount)cell + i]) / s->scale[3 * (LitheCount)cell + i];

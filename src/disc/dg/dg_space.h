@@ -1,7 +1,6 @@
 /// Discontinuous polynomials on polyhedra: an orthogonal basis per cell, and its evaluation.
 #pragma once
 
-#include "base/archive.h"
 #include "geometry/quadrature.h"
 #include "mesh/mesh.h"
 
@@ -43,8 +42,6 @@ LitheStatus lth_dg_space_create_kept(LitheCtx *ctx, const LthMesh *mesh, int deg
 /// (borrowed for life) has these cells.
 LitheStatus lth_dg_space_gather(LitheCtx *ctx, const LthMesh *mesh, const LthDgSpace *const *spaces,
                                 const uint8_t *from, const LitheIndex *of, LthDgSpace **space);
-/// Bases of all cells as bytes; reading writes over those of a space of the same cells and degrees.
-void lth_dg_space_archive(LthDgSpace *space, LthArchive *archive);
 void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space);
 
 static inline int lth_dg_funcs(const LthDgSpace *s, LitheIndex cell) {

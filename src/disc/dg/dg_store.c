@@ -3,20 +3,16 @@
 
 #include "base/digest.h"
 
-/// Doubles of a chunk of memory: more than any one table has.
-#define CHUNK ((LitheCount)1 << 16)
 /// Groups in planes, and with areas, that differ by less are one: a change is much more, and rounding of a small piece less.
 #define SAME_GROUP 1e-9
 
 LitheStatus lth_dg_store_create(LitheCtx *ctx, LthDgStore **store) {
   LTH_NEW(ctx, *store, 1);
-  (*store)->rooms.fence = CHUNK;
+  (*store)->rooms.fence = LTH_DG_STORE_CHUNK;
   return LITHE_OK;
 }
 
-void lth_dg_store_destroy(LitheCtx *ctx, LthDgStore **store) {
-  LthDgStore *s = *store;
-  if (!s) return;
+void lth_dg_store_clear(LitheCtx *ctx, LthDgStore *s) {
   for (LitheCount i = 0; i < s->n_chunks; i++) lth_free(ctx, s->chunk[i]);
   for (LitheIndex i = 0; i < s->n_cells; i++) lth_free(ctx, s->cells[i].groups);
   lth_rooms_free(ctx, &s->rooms);
@@ -24,7 +20,13 @@ void lth_dg_store_destroy(LitheCtx *ctx, LthDgStore **store) {
   lth_free(ctx, s->cells);
   lth_free(ctx, s->faces);
   lth_free(ctx, s->retired);
-  lth_free(ctx, s);
+  *s = (LthDgStore){.rooms = {.fence = LTH_DG_STORE_CHUNK}};
+}
+
+void lth_dg_store_destroy(LitheCtx *ctx, LthDgStore **store) {
+  if (!*store) return;
+  lth_dg_store_clear(ctx, *store);
+  lth_free(ctx, *store);
   *store = NULL;
 }
 
@@ -37,7 +39,7 @@ LitheCount lth_dg_store_bytes(const LthDgStore *store) {
 // --- rooms ---
 
 static double *room_data(const LthDgStore *s, LthDgRoom room) {
-  return s->chunk[room.at / CHUNK] + room.at % CHUNK;
+  return s->chunk[room.at / LTH_DG_STORE_CHUNK] + room.at % LTH_DG_STORE_CHUNK;
 }
 
 static LitheStatus retire(LitheCtx *ctx, LthDgStore *s, LthDgRoom *room) {
@@ -48,15 +50,20 @@ static LitheStatus retire(LitheCtx *ctx, LthDgStore *s, LthDgRoom *room) {
   return LITHE_OK;
 }
 
+LitheStatus lth_dg_store_grow(LitheCtx *ctx, LthDgStore *s, LitheCount end) {
+  while (s->n_chunks * LTH_DG_STORE_CHUNK < end) {
+    LTH_RESERVE(ctx, s->chunk, s->chunk_cap, s->n_chunks + 1);
+    LTH_NEW(ctx, s->chunk[s->n_chunks], LTH_DG_STORE_CHUNK);
+    s->n_chunks++;
+  }
+  return LITHE_OK;
+}
+
 /// A new room of zeros in the place of another, which is kept until settled.
 static LitheStatus renew(LitheCtx *ctx, LthDgStore *s, LitheCount size, LthDgRoom *room) {
   LITHE_TRY(retire(ctx, s, room));
   LthDgRoom made = {lth_rooms_take(&s->rooms, size), size};
-  while (s->n_chunks * CHUNK < s->rooms.end) {
-    LTH_RESERVE(ctx, s->chunk, s->chunk_cap, s->n_chunks + 1);
-    LTH_NEW(ctx, s->chunk[s->n_chunks], CHUNK);
-    s->n_chunks++;
-  }
+  LITHE_TRY(lth_dg_store_grow(ctx, s, s->rooms.end));
   *room = made;
   memset(room_data(s, made), 0, sizeof(double) * (size_t)size);
   return LITHE_OK;
@@ -66,39 +73,36 @@ static LitheStatus release(LitheCtx *ctx, LthDgStore *s, LthDgRoom room) {
   return room.size > 0 ? lth_rooms_give(ctx, &s->rooms, room.at, room.size) : LITHE_OK;
 }
 
-static LitheStatus forget_groups(LitheCtx *ctx, LthDgStore *s, LthDgStoreCell *cell) {
-  for (LitheIndex i = 0; i < cell->n_groups; i++) LITHE_TRY(release(ctx, s, cell->groups[i].room));
-  lth_free(ctx, cell->groups);
-  cell->groups = NULL;
-  cell->groups_cap = cell->n_groups = 0;
-  return LITHE_OK;
-}
-
 static LitheStatus forget_cell(LitheCtx *ctx, LthDgStore *s, LitheIndex record) {
   if (record >= s->n_cells) return LITHE_OK;
   LthDgStoreCell *cell = s->cells + record;
-  LITHE_TRY(release(ctx, s, cell->basis));
-  LITHE_TRY(release(ctx, s, cell->slope));
-  LITHE_TRY(release(ctx, s, cell->matrix));
-  LITHE_TRY(forget_groups(ctx, s, cell));
+  LITHE_TRY(retire(ctx, s, &cell->basis));
+  LITHE_TRY(retire(ctx, s, &cell->slope));
+  LITHE_TRY(retire(ctx, s, &cell->matrix));
+  for (LitheIndex i = 0; i < cell->n_groups; i++) LITHE_TRY(retire(ctx, s, &cell->groups[i].room));
+  lth_free(ctx, cell->groups);
   *cell = (LthDgStoreCell){0};
   return LITHE_OK;
 }
 
 static LitheStatus forget_face(LitheCtx *ctx, LthDgStore *s, LitheIndex record) {
   if (record >= s->n_faces) return LITHE_OK;
-  LITHE_TRY(release(ctx, s, s->faces[record].room));
+  LITHE_TRY(retire(ctx, s, &s->faces[record].room));
   s->faces[record] = (LthDgStoreFace){0};
   return LITHE_OK;
 }
 
-LitheStatus lth_dg_store_settle(LitheCtx *ctx, LthDgStore *s, const LthTopology *t) {
-  for (LitheCount i = 0; i < s->n_retired; i++) LITHE_TRY(release(ctx, s, s->retired[i]));
-  s->n_retired = 0;
+LitheStatus lth_dg_store_forget(LitheCtx *ctx, LthDgStore *s, const LthTopology *t) {
   for (LitheIndex i = 0; i < t->log.n_dead_cells; i++)
     LITHE_TRY(forget_cell(ctx, s, t->log.dead_cells[i]));
   for (LitheIndex i = 0; i < t->log.n_dead_faces; i++)
     LITHE_TRY(forget_face(ctx, s, t->log.dead_faces[i]));
+  return LITHE_OK;
+}
+
+LitheStatus lth_dg_store_settle(LitheCtx *ctx, LthDgStore *s) {
+  for (LitheCount i = 0; i < s->n_retired; i++) LITHE_TRY(release(ctx, s, s->retired[i]));
+  s->n_retired = 0;
   return LITHE_OK;
 }
 
@@ -232,6 +236,7 @@ void lth_dg_store_keep_faces(const LthDgRecords *r, const LthDgOperator *op,
     LthDgStoreFace *entry = face_entry(r, op->faces + f);
     if (is_known[f]) continue;
     entry->face = op->faces[f];
+    entry->face.table = NULL; // which is where the room is
     entry->version = ++r->store->last_version;
     r->store->count.faces++;
   }

@@ -21,9 +21,15 @@ struct LthDgRecords {
 LitheStatus lth_dg_store_create(LitheCtx *ctx, LthDgStore **store);
 void lth_dg_store_destroy(LitheCtx *ctx, LthDgStore **store);
 
-/// Give up what no longer counts, the integrals of dead records in the topology's log and those that were replaced: once a change
-/// has been followed, and before lth_topology_forget(). Spaces and operators of before must not be used any more.
-LitheStatus lth_dg_store_settle(LitheCtx *ctx, LthDgStore *store, const LthTopology *topology);
+/// Forget the integrals of dead records in the topology's log, once a change has been followed and before
+/// lth_topology_forget(). Spaces and operators of before the change can still be used.
+LitheStatus lth_dg_store_forget(LitheCtx *ctx, LthDgStore *store, const LthTopology *topology);
+
+/// Let the memory of what was forgotten or replaced be used again: spaces and operators of before must not be from here on.
+LitheStatus lth_dg_store_settle(LitheCtx *ctx, LthDgStore *store);
+
+/// All of it as bytes, so that another process goes on with the same bits; settled before.
+void lth_dg_store_archive(LthDgStore *store, LthArchive *archive);
 
 /// What was integrated since the store was made.
 typedef struct LthDgStoreCount {

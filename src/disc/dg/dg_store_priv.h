@@ -6,6 +6,9 @@
 #include "disc/dg/dg_priv.h"
 #include "disc/dg/dg_store.h"
 
+/// Doubles of a chunk of memory: more than any one table has.
+#define LTH_DG_STORE_CHUNK ((LitheCount)1 << 16)
+
 /// A room of doubles; size 0: none.
 typedef struct LthDgRoom {
   LitheCount at, size;
@@ -59,6 +62,11 @@ struct LthDgStore {
   uint64_t last_version;
   LthDgStoreCount count;
 };
+
+/// Empty, as at first; everything is freed.
+void lth_dg_store_clear(LitheCtx *ctx, LthDgStore *store);
+/// Memory for rooms up to `end`.
+LitheStatus lth_dg_store_grow(LitheCtx *ctx, LthDgStore *store, LitheCount end);
 
 /// Lend places for the bases of all cells; those that are known are in the space at once.
 LitheStatus lth_dg_store_lend_bases(LitheCtx *ctx, const LthDgRecords *records, LthDgSpace *space,

@@ -382,9 +382,11 @@ static void operators_share_what_a_change_leaves_alone(void **state) {
       kept += check_rows_kept(&before, &after, untouched);
       lth_dg_assemble(before.op, 0, before.K, before.f0);
       kept += check_rows_kept(&before, &after, untouched);
+      CHECK_OK(ctx, lth_dg_store_forget(ctx, store, c.t));
+      check_rows_kept(&before, &after, untouched);
       free_whole(ctx, &before);
       free_whole(ctx, &scratch);
-      CHECK_OK(ctx, lth_dg_store_settle(ctx, store, c.t));
+      CHECK_OK(ctx, lth_dg_store_settle(ctx, store));
       CHECK_OK(ctx, lth_topology_forget(ctx, c.t));
       lth_free(ctx, untouched);
       before = after;
@@ -420,7 +422,7 @@ static void other_material_or_degree_is_integrated_anew(void **state) {
   free_whole(ctx, &before);
   free_whole(ctx, &after);
   free_whole(ctx, &scratch);
-  CHECK_OK(ctx, lth_dg_store_settle(ctx, store, c.t));
+  CHECK_OK(ctx, lth_dg_store_settle(ctx, store));
   lth_dg_store_destroy(ctx, &store);
   end(&c);
 }
