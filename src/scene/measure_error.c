@@ -58,27 +58,54 @@ static void add_stress(const LthBody *body, LitheIndex cell, const double x[3], 
   sum->stress_linf = fmax(sum->stress_linf, sqrt(square));
 }
 
+static LitheStatus add_cell(LitheCtx *ctx, const LthBody *body, LitheIndex c,
+                            LthErrorFigures *figures) {
+  const double *coef = lth_body_displacement(body);
+  LitheIndex n;
+  double *points, *weights;
+  LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2 * body->disc->cell_degree[c] + 2, &n,
+                                   &points, &weights));
+  for (LitheIndex q = 0; q < n; q++) {
+    const double *x = points + 3 * (LitheCount)q;
+    if (body->scene->has_exact_displacement)
+      add_displacement(body, c, coef, x, weights[q], figures);
+    if (body->scene->has_exact_stress) add_stress(body, c, x, weights[q], figures);
+  }
+  lth_free(ctx, points);
+  lth_free(ctx, weights);
+  return LITHE_OK;
+}
+
+static void add(const LthErrorFigures *part, LthErrorFigures *sum) {
+  sum->l1 += part->l1;
+  sum->l2 += part->l2;
+  sum->h1 += part->h1;
+  sum->linf = fmax(sum->linf, part->linf);
+  sum->stress_l2 += part->stress_l2;
+  sum->stress_linf = fmax(sum->stress_linf, part->stress_linf);
+}
+
+/// Cell by cell on all cores, summed in their order.
 static LitheStatus add_body(LitheCtx *ctx, const LthBody *body, LthErrorFigures *figures) {
+  LitheStatus status = LITHE_OK;
+  LthErrorFigures *part = NULL;
+  LitheStatus *ended = NULL;
   if (body->staggered) {
     lth_measure_grid_error(body, figures);
     return LITHE_OK;
   }
-  const double *coef = lth_body_displacement(body);
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
-    LitheIndex n;
-    double *points, *weights;
-    LITHE_TRY(lth_dg_cell_quadrature(ctx, body->mesh, c, 2 * body->disc->cell_degree[c] + 2, &n,
-                                     &points, &weights));
-    for (LitheIndex q = 0; q < n; q++) {
-      const double *x = points + 3 * (LitheCount)q;
-      if (body->scene->has_exact_displacement)
-        add_displacement(body, c, coef, x, weights[q], figures);
-      if (body->scene->has_exact_stress) add_stress(body, c, x, weights[q], figures);
-    }
-    lth_free(ctx, points);
-    lth_free(ctx, weights);
+  LTH_NEW_OR(done, ctx, part, body->mesh->n_cells);
+  LTH_NEW_OR(done, ctx, ended, body->mesh->n_cells);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) ended[c] = add_cell(ctx, body, c, part + c);
+  for (LitheIndex c = 0; c < body->mesh->n_cells && status == LITHE_OK; c++) {
+    status = ended[c];
+    add(part + c, figures);
   }
-  return LITHE_OK;
+done:
+  lth_free(ctx, part);
+  lth_free(ctx, ended);
+  return status;
 }
 
 LitheStatus lth_measure_error(LitheCtx *ctx, LitheIndex n, LthBody *const *bodies,

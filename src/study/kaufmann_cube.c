@@ -1,5 +1,6 @@
 /// Figure 9: a cube of 750 tetrahedra hung up by its top, and what locks when it hardly changes its volume.
 #include "study/kaufmann_studies.h"
+#include "study/view.h"
 
 static const char cube_scene[] =
     "# A unit cube, held at its top, under its own weight (Fig. 9): E = 1 Pa, weight 1 N.\n"
@@ -49,13 +50,15 @@ static const int paper_eta[] = {2, 256, 4096};
 
 #define N_RATIOS 3
 
+/// `view` may be NULL.
 static LitheStatus run_cube(LthStudyRun *run, const char *name, const char *method, int ratio,
-                            double row[COLUMNS]) {
+                            LthView *view, double row[COLUMNS]) {
+  const LthRunLook look = {lth_view_look, view};
   LthStudyResult r;
   const char *const sets[] = {
       lth_study_print(run, "bodies.0.method=%s", method),
       lth_study_print(run, "bodies.0.material.poisson_ratio=%g", ratios[ratio])};
-  LITHE_TRY(lth_study_run_with(run, name, cube_scene, 2, sets, NULL, &r));
+  LITHE_TRY(lth_study_run_with(run, name, cube_scene, 2, sets, view ? &look : NULL, &r));
   row[SAG] = -lth_study_number(&r, "probes.middle.displacement.2");
   row[LOW] = INFINITY;
   row[HIGH] = -INFINITY;
@@ -106,10 +109,19 @@ static void judge_ratio(LthStudyRun *run, int i, double rows[N_METHODS][COLUMNS]
       "jump alone");
 }
 
-static LitheStatus run_ratio(LthStudyRun *run, int i, LthTable *all) {
+/// The figure's cubes: nu = 0.499, CG linear, DG linear and quadratic.
+static LthView *view_of(LthView views[3], int ratio, int method) {
+  if (ratio != 1) return NULL;
+  return method == CG_COARSE      ? views
+         : method == DG_LINEAR    ? views + 1
+         : method == DG_QUADRATIC ? views + 2
+                                  : NULL;
+}
+
+static LitheStatus run_ratio(LthStudyRun *run, int i, LthTable *all, LthView views[3]) {
   double rows[N_METHODS][COLUMNS], fine[COLUMNS];
   LITHE_TRY(run_cube(run, lth_study_print(run, "fine-nu-%g", ratios[i]),
-                     lth_study_print(run, fine_method, run->quick ? 8 : 12), i, fine));
+                     lth_study_print(run, fine_method, run->quick ? 8 : 12), i, NULL, fine));
   LthTable *t = lth_study_table(
       &run->report, lth_study_print(run, "sag-%g", ratios[i]),
       lth_study_print(run, "nu = %g: sag below the middle and at the four corners", ratios[i]),
@@ -127,8 +139,8 @@ static LitheStatus run_ratio(LthStudyRun *run, int i, LthTable *all) {
   for (int k = 0; k < N_METHODS; k++) {
     const char *method = methods[k].method;
     if (k == DG_PAPER) method = lth_study_print(run, paper_method, paper_eta[i]);
-    LITHE_TRY(
-        run_cube(run, lth_study_print(run, "case-%d-nu-%g", k + 1, ratios[i]), method, i, rows[k]));
+    LITHE_TRY(run_cube(run, lth_study_print(run, "case-%d-nu-%g", k + 1, ratios[i]), method, i,
+                       view_of(views, i, k), rows[k]));
     rows[k][OFF] = rows[k][SAG] / fine[SAG] - 1;
     lth_table_row(t,
                   k == DG_PAPER
@@ -148,7 +160,13 @@ LitheStatus lth_study_locking(LthStudyRun *run) {
   lth_table_column(all, "CG quadratic, fine", "m", 4);
   for (int k = 0; k < N_METHODS; k++) lth_table_column(all, methods[k].name, "m", 4);
   int n = run->quick ? N_RATIOS - 1 : N_RATIOS;
-  for (int i = 0; i < n; i++) LITHE_TRY(run_ratio(run, i, all));
+  LthView views[3] = {{.run = run, .label = "CG linear"},
+                      {.run = run, .label = "DG linear"},
+                      {.run = run, .label = "DG quadratic"}};
+  for (int i = 0; i < n; i++) LITHE_TRY(run_ratio(run, i, all, views));
+  LITHE_TRY(lth_views_draw(run, 3, views, (const double[]){-0.5, -1, 0.35},
+                           (const double[]){0, 0, 1}, "cubes",
+                           "nu = 0.499, 750 tetrahedra: all three carry the same weight"));
   LthPlot *plot = lth_study_plot(&run->report, "plot-sag", "Suspended cube (Fig. 9)",
                                  "1 / (1 - 2 nu) [-]", "sag below the middle [m]");
   plot->log_x = true;

@@ -1,5 +1,6 @@
 /// Figure 3: what DG tends to as the penalty grows, and as the material becomes stiff.
 #include "study/kaufmann_studies.h"
+#include "study/view.h"
 
 static const char bar_scene[] =
     "# A bar of four cubes, clamped on the left, pulled down at its right end (Fig. 3).\n"
@@ -23,12 +24,14 @@ static const char bar_scene[] =
 #define FORCE 0.001 // [N]
 #define CELLS 4     // cubes of 1 m
 
+/// `view` may be NULL.
 static LitheStatus run_bar(LthStudyRun *run, const char *name, const char *method, double young,
-                           double *tip) {
+                           LthView *view, double *tip) {
+  const LthRunLook look = {lth_view_look, view};
   LthStudyResult r;
   const char *const sets[] = {lth_study_print(run, "bodies.0.method=%s", method),
                               lth_study_print(run, "bodies.0.material.young_modulus=%.17g", young)};
-  LITHE_TRY(lth_study_run_with(run, name, bar_scene, 2, sets, NULL, &r));
+  LITHE_TRY(lth_study_run_with(run, name, bar_scene, 2, sets, view ? &look : NULL, &r));
   *tip = -lth_study_number(&r, "probes.tip.displacement.2");
   return LITHE_OK;
 }
@@ -48,21 +51,25 @@ enum { BZ_TETS, IP_TETS, BZ_HEXES, N_KINDS };
 static const double etas[] = {2, 10, 100, 1e3, 1e4, 1e5};
 #define N_ETAS ((int)(sizeof etas / sizeof etas[0]))
 
-static LitheStatus run_penalties(LthStudyRun *run) {
+enum { VIEW_CG, VIEW_SOFT, VIEW_STIFF, VIEW_RIGID, N_VIEWS };
+
+static LitheStatus run_penalties(LthStudyRun *run, LthView views[N_VIEWS]) {
   LthStudyReport *r = &run->report;
   double conforming[N_KINDS];
   LthTable *t = lth_study_table(r, "penalty", "Deflection over that of CG on the same mesh", NULL);
   lth_table_column(t, "eta", "", 0);
   for (int k = 0; k < N_KINDS; k++) {
     lth_table_column(t, kinds[k].name, "", 5);
-    LITHE_TRY(
-        run_bar(run, lth_study_print(run, "cg-%d", k + 1), kinds[k].conforming, 1, conforming + k));
+    LITHE_TRY(run_bar(run, lth_study_print(run, "cg-%d", k + 1), kinds[k].conforming, 1,
+                      k == BZ_TETS ? views + VIEW_CG : NULL, conforming + k));
   }
   for (int i = 0; i < N_ETAS; i++) {
     double row[N_KINDS + 1] = {etas[i]};
     for (int k = 0; k < N_KINDS; k++) {
+      LthView *view = i == 0 ? views + VIEW_SOFT : i == N_ETAS - 1 ? views + VIEW_STIFF : NULL;
       LITHE_TRY(run_bar(run, lth_study_print(run, "dg-%d-eta-%g", k + 1, etas[i]),
-                        lth_study_print(run, kinds[k].method, etas[i]), 1, row + k + 1));
+                        lth_study_print(run, kinds[k].method, etas[i]), 1,
+                        k == BZ_TETS ? view : NULL, row + k + 1));
       row[k + 1] /= conforming[k];
     }
     lth_table_row(t, NULL, row);
@@ -111,7 +118,7 @@ static double rigid_deflection(void) {
   return sum;
 }
 
-static LitheStatus run_stiffness(LthStudyRun *run) {
+static LitheStatus run_stiffness(LthStudyRun *run, LthView *rigid_view) {
   static const double young[] = {1, 10, 1e2, 1e3, 1e4, 1e5, 1e6};
   const int n = (int)(sizeof young / sizeof young[0]);
   LthStudyReport *r = &run->report;
@@ -129,7 +136,7 @@ static LitheStatus run_stiffness(LthStudyRun *run) {
                                       "{kind: dg, cells: [%d, 1, 1], mesh: hexahedra, flux: "
                                       "bz, penalty: {eta: %g, scale: none}}",
                                       CELLS, ETA),
-                      young[i], row + 1));
+                      young[i], i == n - 1 ? rigid_view : NULL, row + 1));
     row[1] /= rigid;
     lth_table_row(t, NULL, row);
   }
@@ -146,6 +153,17 @@ static LitheStatus run_stiffness(LthStudyRun *run) {
 }
 
 LitheStatus lth_study_limits(LthStudyRun *run) {
-  LITHE_TRY(run_penalties(run));
-  return run_stiffness(run);
+  LthView views[N_VIEWS] = {
+      {.run = run, .label = "CG", .times = 4},
+      {.run = run, .label = "BZ, eta = 2", .times = 4},
+      {.run = run, .label = "BZ, eta = 1e5", .times = 4},
+      {.run = run, .label = "BZ, E = 1e6 Pa", .times = 80},
+  };
+  LITHE_TRY(run_penalties(run, views));
+  LITHE_TRY(run_stiffness(run, views + VIEW_RIGID));
+  return lth_views_draw(
+      run, N_VIEWS, views, (const double[]){0.3, -1, 0.4}, (const double[]){0, 0, 1}, "bars",
+      "The bar's elements where they are, displacements drawn 4 times as large: CG, DG with a "
+      "small "
+      "and with a large penalty; and stiff cells with glue, drawn 80 times as large");
 }

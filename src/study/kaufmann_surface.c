@@ -1,5 +1,6 @@
 /// Figures 5 to 7: surfaces that follow a discontinuous body, contact on them, and what slicing keeps apart.
 #include "study/kaufmann_studies.h"
+#include "study/view.h"
 
 #include "embed/embedding.h"
 
@@ -32,6 +33,7 @@ static const char bend_scene[] =
 typedef struct Curve {
   double x[N_LINE], slope[N_LINE]; ///< [m], [degrees]
   double gap[3], kink[3];          ///< largest of the three planes [m], [degrees]
+  LthView view;
 } Curve;
 
 /// Where points (n x 3) of the body are.
@@ -71,6 +73,36 @@ static LitheStatus look_at_planes(LitheCtx *ctx, const LthBody *body, Curve *cur
   return LITHE_OK;
 }
 
+#define FINE 24 // lines of a picture a metre
+
+/// A side of the bar, m x n metres, with a line where elements end.
+static LitheStatus see_side(LitheCtx *ctx, const LthBody *body, const double origin[3], int along,
+                            int m, int across, int n, LthView *view) {
+  LitheStatus status = LITHE_OK;
+  double *rest = NULL, *now = NULL;
+  int columns = m * FINE + 1, rows = n * FINE + 1;
+  LTH_NEW_OR(done, ctx, rest, 3 * columns * rows);
+  LTH_NEW_OR(done, ctx, now, 3 * columns * rows);
+  for (int k = 0; k < columns * rows; k++) {
+    for (int a = 0; a < 3; a++) rest[3 * k + a] = origin[a];
+    rest[3 * k + along] += (double)(k % columns) / FINE;
+    rest[3 * k + across] += (double)(k / columns) / FINE;
+  }
+  LITHE_TRY_OR(done, follow(ctx, body, columns * rows, rest, now));
+  status = lth_view_add_grid(view, columns, rows, now, FINE);
+done:
+  lth_free(ctx, rest);
+  lth_free(ctx, now);
+  return status;
+}
+
+static LitheStatus see_bar(LitheCtx *ctx, const LthBody *body, LthView *view) {
+  static const double corner[3] = {0, 0, 0}, top[3] = {0, 0, 1}, end[3] = {4, 0, 0};
+  LITHE_TRY(see_side(ctx, body, corner, 0, 4, 2, 1, view));
+  LITHE_TRY(see_side(ctx, body, top, 0, 4, 1, 1, view));
+  return see_side(ctx, body, end, 1, 1, 2, 1, view);
+}
+
 static LitheStatus look_at_curve(void *user, LitheCtx *ctx, const LthWorld *world,
                                  LitheIndex frame) {
   Curve *curve = user;
@@ -84,6 +116,8 @@ static LitheStatus look_at_curve(void *user, LitheCtx *ctx, const LthWorld *worl
   }
   LITHE_TRY(follow(ctx, world->bodies[0], 2 * N_LINE, rest, now));
   for (int i = 0; i < N_LINE; i++) curve->slope[i] = angle_of(now + 6 * i, now + 6 * i + 3);
+  curve->view.n = 0;
+  LITHE_TRY(see_bar(ctx, world->bodies[0], &curve->view));
   return look_at_planes(ctx, world->bodies[0], curve);
 }
 
@@ -94,6 +128,7 @@ LitheStatus lth_study_smoothness(LthStudyRun *run) {
   for (int k = 0; k < 2; k++) {
     LthStudyResult result;
     LthRunLook look = {look_at_curve, curves + k};
+    curves[k].view = (LthView){.run = run, .label = names[k]};
     const char *const sets[] = {lth_study_print(run, "bodies.0.embed.interpolation=%s", names[k])};
     LITHE_TRY(lth_study_run_with(run, names[k], bend_scene, 1, sets, &look, &result));
   }
@@ -137,7 +172,9 @@ LitheStatus lth_study_smoothness(LthStudyRun *run) {
       "of a sample ends");
   lth_study_at_most(r, "MLS: jump of the value at 1e-4 m over the bar's height", curves[1].gap[2],
                     1e-6, "continuous");
-  return LITHE_OK;
+  const LthView views[2] = {curves[0].view, curves[1].view};
+  return lth_views_draw(run, 2, views, (const double[]){0.2, -1, 0.3}, (const double[]){0, 0, 1},
+                        "bars", "The embedded surface; lines stand where elements end");
 }
 
 // --- Figure 6 ---
@@ -241,6 +278,7 @@ static const char ears_scene[] =
     "    shape: {mesh: {file: /usr/share/glmark2/models/bunny.obj, fit: 20 cm}}\n"
     "    material: {model: corotated, young_modulus: 50 kPa, poisson_ratio: 0.4, density: 1000}\n"
     "    method: {kind: dg, cells: 6, degree: 1}\n"
+    "    embed: {surface: shape}\n"
     "    constraints:\n"
     "      - {where: {plane: {point: [0, 15 cm, 0], normal: [0, -1, 0]}}, displacement: [0, 0, "
     "0]}\n"
@@ -279,6 +317,10 @@ LitheStatus lth_study_ears(LthStudyRun *run) {
   lth_table_column(t, "pulled, embedded", "mm", 3);
   lth_table_column(t, "share, embedded", "", 2);
   double most = 0, least = INFINITY;
+  LthView views[2] = {
+      {.run = run, .label = "sliced, 6 cells", .of_surface = true, .times = 4},
+      {.run = run, .label = "pure embedding, 6 cells", .of_surface = true, .times = 4}};
+  const LthRunLook looks[2] = {{lth_view_look, views}, {lth_view_look, views + 1}};
   for (int i = 0; i < 4; i++) {
     if (run->quick && cells[i] != 6) continue;
     LthStudyResult sliced, embedded;
@@ -286,9 +328,9 @@ LitheStatus lth_study_ears(LthStudyRun *run) {
     const char *const cg[] = {
         lth_study_print(run, "bodies.0.method={kind: cg, mesh: embedded, cells: %d}", cells[i])};
     LITHE_TRY(lth_study_run_with(run, lth_study_print(run, "sliced-%d", cells[i]), ears_scene, 1,
-                                 dg, NULL, &sliced));
+                                 dg, cells[i] == 6 ? looks : NULL, &sliced));
     LITHE_TRY(lth_study_run_with(run, lth_study_print(run, "embedded-%d", cells[i]), ears_scene, 1,
-                                 cg, NULL, &embedded));
+                                 cg, cells[i] == 6 ? looks + 1 : NULL, &embedded));
     double row[COLUMNS] = {cells[i], lth_study_number(&sliced, "bodies.0.elements")};
     row[PULLED] = 1e3 * motion(run, &sliced, "pulled");
     row[SHARE] = 1e3 * motion(run, &sliced, "other") / row[PULLED];
@@ -310,5 +352,8 @@ LitheStatus lth_study_ears(LthStudyRun *run) {
   lth_study_at_least(
       r, "pure embedding over sliced: smallest ratio of the shares", least, 5,
       "\"a pure embedded simulation could lead to an erroneous coupling of the ears\"");
-  return LITHE_OK;
+  return lth_views_draw(run, 2, views, (const double[]){0.1, 0.25, 1}, (const double[]){0, 1, 0},
+                        "bunnies",
+                        "One ear is pulled to the right, the body is held below; displacements are "
+                        "drawn four times as large");
 }
