@@ -31,7 +31,10 @@ LitheStatus lth_body_choose_soup(LitheCtx *ctx, LthBody *body) {
   if (body->soup) return LITHE_OK;
   body->soup = def->embed_soup ? def->embed_soup : def->soup;
   if (body->soup) return LITHE_OK;
-  if (!def->has_shape) {
+  // where a box of elements is cut, its surface is theirs from the beginning
+  bool is_boundary =
+      !def->has_shape || (body->change && def->mesh_kind != LTH_MESH_SLICE && !body->surface);
+  if (is_boundary) {
     LITHE_TRY(lth_mesh_boundary_soup(ctx, body->mesh, &body->own_soup));
     body->soup = body->own_soup;
     return LITHE_OK;

@@ -1,7 +1,6 @@
 /// Cut surfaces: what they begin with, and following a body's elements.
 #include "scene/cut_surface.h"
 
-#include "embed/cell_search.h"
 #include "scene/change.h"
 
 #include "base/tensor.h"
@@ -155,7 +154,7 @@ static LitheStatus begin_own(LitheCtx *ctx, LthBody *body, bool replaces, LthSki
   Start s = {.def = {.soup = body->soup}};
   if (replaces)
     LITHE_TRY_OR(done, replace_soup(ctx, body, &s));
-  else if (!body->def->has_shape)
+  else if (!is_sliced(body))
     LITHE_TRY_OR(done, start_boundary(ctx, body->mesh, &s));
   else
     LITHE_TRY_OR(done,
@@ -179,28 +178,8 @@ static LitheStatus grid_of_body(LitheCtx *ctx, const LthBody *body, LthGrid *gri
   return LITHE_OK;
 }
 
-/// Elements of the body around the middles of the solid's cells that have none, or a dead one.
-static LitheStatus find_hosts(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
-                              const LitheIndex *cell_record) {
-  LthCutSurface *c = body->change->surface;
-  const LthTopology *solid = c->solid, *t = body->change->topology;
-  LthCellSearch *search = NULL;
-  LitheCount had = c->cap_host;
-  LTH_RESERVE(ctx, c->host, c->cap_host, solid->n_cells);
-  for (LitheCount i = had; i < c->cap_host; i++) c->host[i] = -1;
-  LITHE_TRY(lth_cell_search_create(ctx, mesh, &search));
-  for (LitheIndex i = 0; i < solid->n_cells; i++) {
-    if (!solid->cells[i].is_live || (c->host[i] >= 0 && t->cells[c->host[i]].is_live)) continue;
-    LitheIndex cell = lth_cell_search_find(search, solid->cells[i].centroid, NULL);
-    c->host[i] = cell >= 0 ? cell_record[cell] : -1;
-  }
-  lth_cell_search_destroy(ctx, &search);
-  return LITHE_OK;
-}
-
 /// The inside of a closed surface as elements of its own.
-static LitheStatus begin_solid(LitheCtx *ctx, LthBody *body, const LthSurface *surface,
-                               bool is_made) {
+static LitheStatus begin_solid(LitheCtx *ctx, LthBody *body, const LthSurface *surface) {
   LthCutSurface *c = body->change->surface;
   LitheStatus status = LITHE_OK;
   LthMesh *mesh = NULL;
@@ -209,9 +188,9 @@ static LitheStatus begin_solid(LitheCtx *ctx, LthBody *body, const LthSurface *s
   LITHE_TRY_OR(done, grid_of_body(ctx, body, &grid));
   LITHE_TRY_OR(done, lth_mesh_slice(ctx, surface, &grid, 0, &mesh));
   LITHE_TRY_OR(done, lth_topology_create(ctx, mesh, &c->solid));
-  LITHE_TRY_OR(done, start_sliced(ctx, mesh, surface, is_made, &s));
+  LITHE_TRY_OR(done, start_sliced(ctx, mesh, surface, true, &s));
   LITHE_TRY_OR(done, create_skin(ctx, c->solid, mesh, &s, &c->skin));
-  status = find_hosts(ctx, body, body->mesh, body->change->cell_record);
+  status = lth_cut_solid_begin(ctx, body);
 done:
   lth_mesh_destroy(ctx, &mesh);
   free_start(ctx, &s);
@@ -222,9 +201,8 @@ done:
 static LitheStatus begin_other(LitheCtx *ctx, LthBody *body) {
   LthCutSurface *c = body->change->surface;
   LthSurface *closed = NULL;
-  if (body->soup == body->own_soup) return begin_solid(ctx, body, body->surface, false);
   LitheStatus status = lth_surface_from_soup(ctx, body->soup, body->def->name, NULL, &closed);
-  if (status == LITHE_OK) status = begin_solid(ctx, body, closed, true);
+  if (status == LITHE_OK) status = begin_solid(ctx, body, closed);
   lth_surface_destroy(ctx, &closed);
   if (status != LITHE_BAD_INPUT) return status;
   lth_warn(ctx,
@@ -240,7 +218,7 @@ LitheStatus lth_cut_surface_begin(LitheCtx *ctx, LthBody *body) {
   if (!body->def->has_embed) return LITHE_OK;
   LITHE_TRY(lth_body_choose_soup(ctx, body));
   LTH_NEW(ctx, body->change->surface, 1);
-  bool is_own = lth_body_embeds_shape(body) && (is_sliced(body) || !body->def->has_shape);
+  bool is_own = body->soup == body->own_soup || (lth_body_embeds_shape(body) && is_sliced(body));
   return is_own ? begin_own(ctx, body, false, &body->change->surface->skin)
                 : begin_other(ctx, body);
 }
@@ -257,135 +235,7 @@ void lth_cut_surface_end(LitheCtx *ctx, LthCutSurface **surface) {
   *surface = NULL;
 }
 
-// ------------------------------------------------------------------ cutting
-
-/// Squared distance from x to the box of a record, also of a dead one.
-static double distance2(const LthTopologyCell *cell, const double x[3]) {
-  double sum = 0;
-  for (int a = 0; a < 3; a++) {
-    double d = fmax(0, fmax(cell->box[a] - x[a], x[a] - cell->box[3 + a]));
-    sum += d * d;
-  }
-  return sum;
-}
-
-/// The plane of a cut for a cell of the solid: that of the cut element that was its host, or the nearest part of it.
-static const LthCutPlane *find_plane(const LthBody *body, LitheIndex first, LitheIndex end,
-                                     LitheIndex cell) {
-  const LthBodyChange *c = body->change;
-  const LthTopologyCell *at = c->surface->solid->cells + cell;
-  const LthCutPlane *best = NULL;
-  double least = INFINITY;
-  for (LitheIndex i = first; i < end; i++) {
-    const LthCutPlane *p = c->planes + i;
-    if (lth_topology_before(c->topology, p->cell) != c->surface->host[cell]) continue;
-    double d = distance2(c->topology->cells + p->cell, at->centroid);
-    if (d < least) least = d, best = p;
-  }
-  return best;
-}
-
-/// Cut the solid as the planes first ... end - 1, those of one cut, have cut the body.
-static LitheStatus cut_solid(LitheCtx *ctx, const LthBody *body, LitheIndex first, LitheIndex end) {
-  LthCutSurface *c = body->change->surface;
-  LthTopology *t = c->solid;
-  LitheStatus status = LITHE_OK;
-  LitheIndex n = 0, *cells = NULL, n_births = t->log.n_births;
-  LthPlane *planes = NULL;
-  LthCut cut;
-  LTH_NEW_OR(done, ctx, cells, t->n_live_cells);
-  LTH_NEW_OR(done, ctx, planes, t->n_live_cells);
-  for (LitheIndex i = 0; i < t->n_cells; i++) {
-    if (!t->cells[i].is_live) continue;
-    const LthCutPlane *plane = find_plane(body, first, end, i);
-    if (!plane) continue;
-    planes[n] = plane->plane;
-    cells[n++] = i;
-  }
-  bool is_one = n > 0; // one plane: points have one sign in all cells
-  for (LitheIndex i = 1; i < n && is_one; i++)
-    is_one = memcmp(planes, planes + i, sizeof *planes) == 0;
-  if (n > 0)
-    LITHE_TRY_OR(done, lth_topology_cut(ctx, t, n, cells, is_one ? 1 : n, planes,
-                                        body->change->planes[first].tag, &cut));
-  LTH_RESERVE_OR(done, ctx, c->host, c->cap_host, t->n_cells);
-  for (LitheIndex i = n_births; i < t->log.n_births; i++)
-    c->host[t->log.births[i].cell] = c->host[t->log.births[i].parent];
-done:
-  lth_free(ctx, cells);
-  lth_free(ctx, planes);
-  return status;
-}
-
-static LitheStatus cut_as_body(LitheCtx *ctx, const LthBody *body) {
-  const LthBodyChange *c = body->change;
-  for (LitheIndex i = 0, end; i < c->n_planes; i = end) {
-    for (end = i; end < c->n_planes && c->planes[end].tag == c->planes[i].tag;) end++;
-    if (c->planes[i].tag <= LTH_TAG_CUT) LITHE_TRY(cut_solid(ctx, body, i, end));
-  }
-  return LITHE_OK;
-}
-
 // ------------------------------------------------------------------ following
-
-/// Has anything been cut since the last time?
-static bool was_cut(const LthBodyChange *c) {
-  for (LitheIndex i = 0; i < c->n_planes; i++)
-    if (c->planes[i].tag <= LTH_TAG_CUT) return true;
-  return false;
-}
-
-/// The element that a point of the solid follows: the one around it, on its side of the cuts.
-static LitheIndex find_home(const LthCutSurface *c, const LthCellSearch *search, LitheIndex i) {
-  double x[3];
-  lth_v3_copy(c->skin->soup->points + 3 * (LitheCount)i, x);
-  if (c->skin->cell[i] >= 0) {
-    lth_v3_scale(1 - NUDGE, x);
-    lth_v3_axpy(NUDGE, c->solid->cells[c->skin->cell[i]].centroid, x);
-  }
-  return lth_cell_search_find(search, x, NULL);
-}
-
-/// Homes of points that have none, that a cut has given another side, or whose element died.
-static LitheStatus find_homes(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
-                              const LitheIndex *cell_record, const LitheIndex *old_cell) {
-  LthCutSurface *c = body->change->surface;
-  const LthTopology *t = body->change->topology;
-  LitheIndex n = c->skin->soup->n_points;
-  LthCellSearch *search = NULL;
-  LTH_RESERVE(ctx, c->home, c->cap_home, n);
-  LITHE_TRY(lth_cell_search_create(ctx, mesh, &search));
-#pragma omp parallel for schedule(dynamic, 64) num_threads(lth_threads(ctx))
-  for (LitheIndex i = 0; i < n; i++) {
-    bool is_there = i < c->n_home && c->home[i] >= 0 && t->cells[c->home[i]].is_live &&
-                    old_cell[i] == c->skin->cell[i];
-    if (is_there) continue;
-    LitheIndex cell = find_home(c, search, i);
-    c->home[i] = cell >= 0 ? cell_record[cell] : -1;
-  }
-  c->n_home = n;
-  lth_cell_search_destroy(ctx, &search);
-  return LITHE_OK;
-}
-
-/// The solid's surface, cut where the body was.
-static LitheStatus follow_solid(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
-                                const LitheIndex *cell_record) {
-  LthCutSurface *c = body->change->surface;
-  LitheStatus status = LITHE_OK;
-  LitheIndex n = c->skin->soup->n_points, *old_cell = NULL;
-  LTH_NEW_OR(done, ctx, old_cell, n);
-  memcpy(old_cell, c->skin->cell, sizeof *old_cell * (size_t)n);
-  LITHE_TRY_OR(done, cut_as_body(ctx, body));
-  LITHE_TRY_OR(done, lth_skin_follow(ctx, c->skin, c->solid));
-  if (was_cut(body->change)) LITHE_TRY_OR(done, lth_skin_update(ctx, c->skin, c->solid));
-  LITHE_TRY_OR(done, find_homes(ctx, body, mesh, cell_record, old_cell));
-  LITHE_TRY_OR(done, lth_topology_forget(ctx, c->solid));
-  status = find_hosts(ctx, body, mesh, cell_record);
-done:
-  lth_free(ctx, old_cell);
-  return status;
-}
 
 /// Cells of the mesh for all points.
 static LitheStatus number_cells(LitheCtx *ctx, const LthBody *body, LitheIndex n_cells,
@@ -407,13 +257,10 @@ LitheStatus lth_cut_surface_follow(LitheCtx *ctx, LthBody *body, const LthMesh *
                                    const LitheIndex *cell_record) {
   LthBodyChange *change = body->change;
   LthCutSurface *c = change->surface;
-  bool is_cut_now = was_cut(change);
-  if (!c) {
-    change->n_planes = 0;
-    return LITHE_OK;
-  }
+  if (!c) return LITHE_OK;
+  bool is_cut_now = change->n_cuts > c->n_cuts;
   if (c->solid) {
-    LITHE_TRY(follow_solid(ctx, body, mesh, cell_record));
+    LITHE_TRY(lth_cut_solid_follow(ctx, body, mesh, cell_record));
   } else {
     LITHE_TRY(lth_skin_follow(ctx, c->skin, change->topology));
     if (is_cut_now) LITHE_TRY(lth_skin_update(ctx, c->skin, change->topology));
@@ -422,7 +269,7 @@ LitheStatus lth_cut_surface_follow(LitheCtx *ctx, LthBody *body, const LthMesh *
   c->is_cut = c->is_cut || is_cut_now;
   c->has_changed = c->has_changed || (is_cut_now && body->sim);
   if (c->is_cut) body->soup = c->skin->soup;
-  change->n_planes = 0;
+  c->n_cuts = change->n_cuts;
   return LITHE_OK;
 }
 
@@ -481,6 +328,7 @@ void lth_cut_surface_archive(LthBody *body, LthArchive *a) {
   lth_archive_mark(a, "cut surface");
   LTH_ARCHIVE(a, c->is_cut);
   LTH_ARCHIVE(a, c->has_changed);
+  LTH_ARCHIVE(a, c->n_cuts);
   walk_skin(c, a);
   if (c->solid) walk_solid(c, a);
   if (a->status == LITHE_OK && a->is_reading) a->status = restore(a->ctx, body);

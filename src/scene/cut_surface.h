@@ -11,7 +11,8 @@ typedef struct LthCutSurface {
   LitheIndex
       *cell; ///< of the body's present mesh: where each point is, -1: not known (soup->n_points)
   LitheCount cap_cell;
-  bool is_cut; ///< the body's soup is the skin's
+  bool is_cut;       ///< the body's soup is the skin's
+  LitheIndex n_cuts; ///< of the body that it has followed
   bool
       has_changed; ///< and other than when the run began: a cache with a fixed number of points has ended
 
@@ -31,6 +32,12 @@ void lth_cut_surface_end(LitheCtx *ctx, LthCutSurface **surface);
 /// `mesh` is the mesh that the body will have, with the record of each of its cells.
 LitheStatus lth_cut_surface_follow(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
                                    const LitheIndex *cell_record);
+
+/// The solid of a surface that is not the body's boundary (cut_solid.c): the elements around its cells; and what the
+/// body's new cut faces do to it.
+LitheStatus lth_cut_solid_begin(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_cut_solid_follow(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
+                                 const LitheIndex *cell_record);
 
 /// All of it, when the body has its topology and its mesh.
 void lth_cut_surface_archive(LthBody *body, LthArchive *archive);
