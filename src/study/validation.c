@@ -30,7 +30,9 @@ static const struct {
 } patch_methods[] = {
     {"dg, degree 1, ip", {"bodies.0.method.flux=ip"}, 1},
     {"dg, degree 2, ip", {"bodies.0.method.degree=2"}, 1},
+    {"dg, crooked file mesh", {"bodies.0.method={kind: dg, mesh: {file: crooked.msh}}"}, 1},
     {"cg, hexahedra", {"bodies.0.method={kind: cg, cells: 4}"}, 1},
+    {"cg, crooked file mesh", {"bodies.0.method={kind: cg, mesh: {file: crooked.msh}}"}, 1},
 };
 
 LitheStatus lth_study_patch_test(LthStudyRun *run) {
@@ -39,6 +41,7 @@ LitheStatus lth_study_patch_test(LthStudyRun *run) {
   int dofs = lth_table_column(table, "unknowns", "", 0);
   int linf = lth_table_column(table, "largest error", "m", 3);
   double worst = 0, scale = 0;
+  LITHE_TRY(lth_block_model_mesh(run, &lth_crooked_cube, 1, 1, "crooked"));
   for (size_t i = 0; i < sizeof patch_methods / sizeof patch_methods[0]; i++) {
     double row[2];
     LthStudyResult result;

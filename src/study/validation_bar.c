@@ -6,6 +6,13 @@
 #define SIDE 0.05  ///< of a bar 1 m long [m]
 #define SPEED 1e-3 ///< of the mode at t = 0 [m/s]
 
+static void bar_map(int block, const double at[3], double x[3]) {
+  (void)block;
+  x[0] = at[0], x[1] = SIDE * (at[1] - 0.5), x[2] = SIDE * (at[2] - 0.5);
+}
+
+static const LthBlockModel bar = {1, bar_map, {5, 1, 1}};
+
 static const char bar_scene[] =
     "lithe: 1\n"
     "title: A bar that swings in a mode for one period\n"
@@ -37,17 +44,18 @@ static LitheStatus swing(LthStudyRun *run, const char *name, double omega, const
   LthCase c = {
       .name = name,
       .scene = lth_study_print(run, bar_scene, u, v, period, period / 120),
+      .model = &bar,
       .n_quantities = 1,
       .quantity = {{lth_study_print(run, "frequency (%s)", name), "m", path, 0,
                     2 * M_PI * fabs(tip) / omega, 0.01, reason}},
       .n_methods = 4,
       .method = {
           lth_case_dg_sliced(5, 10, 20),
-          {"dg, tetrahedra",
-           "{kind: dg, mesh: tetrahedra, cells: %d, degree: 2}",
-           LTH_CASE_NO_MESH,
+          {"dg, file mesh",
+           "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
+           LTH_CASE_LINEAR_MESH,
            2,
-           {5, 10}},
+           {1, 2}},
           {"cg", "{kind: cg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 3, {5, 10, 20}},
           {"staggered",
            "{kind: staggered, grid: {min: [0, -0.025, -0.025], max: [1, 0.025, 0.025], cells: "

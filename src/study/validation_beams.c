@@ -21,7 +21,7 @@ static void crooked_map(int block, const double at[3], double x[3]) {
   x[0] = at[0] + 0.08 * bump, x[1] = at[1] - 0.06 * bump, x[2] = at[2] + 0.05 * bump;
 }
 
-static const LthBlockModel crooked = {1, crooked_map, {2, 2, 2}};
+const LthBlockModel lth_crooked_cube = {1, crooked_map, {2, 2, 2}};
 
 static const char tension_scene[] =
     "lithe: 1\n"
@@ -51,7 +51,7 @@ LitheStatus lth_study_tension(LthStudyRun *run) {
   LthCase c = {
       .name = "tension",
       .scene = tension_scene,
-      .model = &crooked,
+      .model = &lth_crooked_cube,
       .n_quantities = 2,
       .quantity = {{"displacement (largest error)", "m", "error.linf", 0, 1e-3, 1e-9, reason},
                    {"stress xx", "Pa", "probes.middle.stress.0", 1e3, 0, 1e-9, reason}},

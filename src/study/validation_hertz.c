@@ -67,7 +67,7 @@ LitheStatus lth_study_hertz(LthStudyRun *run) {
                     "with the force given, a stress at half a contact radius falls by 1.6 times "
                     "what the radius is off, which is known to a part of a cell: two to three "
                     "cells are the radius here"}},
-      .n_methods = 4,
+      .n_methods = 5,
       .method = {{"dg, sliced", "{kind: dg, cells: %d, degree: 2}", LTH_CASE_NO_MESH, 2, {6, 12}},
                  {"dg, file mesh",
                   "{kind: dg, mesh: {file: hex8-%d.msh}, degree: 2}",
@@ -83,6 +83,7 @@ LitheStatus lth_study_hertz(LthStudyRun *run) {
                   "{kind: cg, mesh: {file: hex27-%d.msh}, degree: 2}",
                   LTH_CASE_QUADRATIC_MESH,
                   2,
-                  {2, 3}}}};
+                  {2, 3}},
+                 {"staggered", "{kind: staggered, cells: %d}", LTH_CASE_NO_MESH, 2, {12, 24}}}};
   return lth_case_run(run, &c);
 }

@@ -3,6 +3,9 @@
 
 #include "study/validation_case.h"
 
+/// The unit cube with cells that are crooked inside and straight on its sides.
+extern const LthBlockModel lth_crooked_cube;
+
 LitheStatus lth_study_patch_test(LthStudyRun *run);
 LitheStatus lth_study_tension(LthStudyRun *run);    ///< constant strain by a load
 LitheStatus lth_study_cantilever(LthStudyRun *run); ///< Timoshenko

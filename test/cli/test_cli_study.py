@@ -62,7 +62,7 @@ with folder() as home:
     expect("study_that_holds_ends_with_0", got.returncode == 0 and "1 of 1 verdicts hold" in got.stdout, got)
     table = rows(os.path.join(home, "st/validation/patch-test/errors.csv"))
     expect("table_has_units_and_all_rows", table[0] == ["method", "unknowns", "largest error [m]"] and
-           len(table) == 4, table)
+           len(table) == 6, table)
     report = json.load(open(os.path.join(home, "st/study.json")))
     expect("verdict_has_value_bound_and_reason", report["studies"][0]["holds"] is True and
            set(report["studies"][0]["checks"][0]) == {"what", "value", "at_most", "reason", "holds"}, report)
