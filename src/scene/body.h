@@ -139,6 +139,8 @@ LitheStatus lth_build_voxels(LitheCtx *ctx, LthBody *body, const LthGrid *grid);
 LitheStatus lth_build_covering(LitheCtx *ctx, LthBody *body, const LthGrid *grid); ///< of cg
 /// Degree of each element of the mesh (n_cells). LITHE_BAD_INPUT: out of range somewhere.
 LitheStatus lth_build_degrees(LitheCtx *ctx, const LthBody *body, uint8_t *degree);
+LitheStatus lth_build_degrees_of(LitheCtx *ctx, const LthBody *body, const LthMesh *mesh,
+                                 uint8_t *degree); ///< of another mesh of the body
 LitheStatus lth_build_material(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_constraints(LitheCtx *ctx, LthBody *body);
 LitheStatus lth_build_weak(LitheCtx *ctx, LthBody *body, LitheIndex constraint); ///< a part of it

@@ -17,11 +17,16 @@ static LitheStatus degree_at(LitheCtx *ctx, const LthBody *body, const double x[
       body->def->place, value, x[0], x[1], x[2], LTH_DG_MAX_DEGREE, LTH_DG_MAX_DEGREE);
 }
 
-LitheStatus lth_build_degrees(LitheCtx *ctx, const LthBody *body, uint8_t *degree) {
-  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+LitheStatus lth_build_degrees_of(LitheCtx *ctx, const LthBody *body, const LthMesh *mesh,
+                                 uint8_t *degree) {
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
     int k = body->def->degree;
-    if (k == 0) LITHE_TRY(degree_at(ctx, body, body->mesh->cell_centroid + 3 * (LitheCount)c, &k));
+    if (k == 0) LITHE_TRY(degree_at(ctx, body, mesh->cell_centroid + 3 * (LitheCount)c, &k));
     degree[c] = (uint8_t)k;
   }
   return LITHE_OK;
+}
+
+LitheStatus lth_build_degrees(LitheCtx *ctx, const LthBody *body, uint8_t *degree) {
+  return lth_build_degrees_of(ctx, body, body->mesh, degree);
 }

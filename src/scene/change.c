@@ -57,6 +57,8 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   lth_cut_surface_end(ctx, &c->surface);
   lth_topology_destroy(ctx, &c->topology);
   lth_dg_store_destroy(ctx, &c->store);
+  if (c->refinement) lth_refinement_free(ctx, c->refinement);
+  lth_free(ctx, c->refinement);
   void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
                     c->degree,      c->atom_record, c->planes,      c};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
@@ -85,8 +87,12 @@ LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body) {
 
 bool lth_body_has_changed(const LthBody *body) {
   if (!body->change) return false;
-  const LthTopologyLog *log = &body->change->topology->log;
-  return log->n_births > 0 || log->n_dead_cells > 0 || log->n_dead_faces > 0;
+  const LthBodyChange *c = body->change;
+  const LthTopologyLog *log = &c->topology->log;
+  if (log->n_births > 0 || log->n_dead_cells > 0 || log->n_dead_faces > 0) return true;
+  for (LitheIndex i = 0; body->space && i < body->mesh->n_cells; i++)
+    if (body->space->degree[i] != c->degree[c->cell_record[i]]) return true;
+  return false;
 }
 
 LitheStatus lth_body_note_plane(LitheCtx *ctx, LthBody *body, const LthCutPlane *plane) {
@@ -127,6 +133,7 @@ LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cel
   lth_mesh_destroy(ctx, &c->atoms);
   lth_free(ctx, c->atom_record);
   c->atom_record = NULL;
+  if (c->refinement) LITHE_TRY(lth_refinement_follow(ctx, c->refinement, c->topology));
   LITHE_TRY(lth_topology_forget(ctx, c->topology));
   return index_records(ctx, body->mesh->n_cells, c);
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "disc/dg/dg_store.h"
+#include "mesh/refinement.h"
 #include "scene/world.h"
 
 typedef struct LthCutSurface LthCutSurface; // cut_surface.h
@@ -36,6 +37,8 @@ struct LthBodyChange {
   uint8_t *degree; ///< of its polynomials
   LitheCount cap_record_cell, cap_level, cap_degree;
 
+  LthRefinement *refinement; ///< what can be merged back; NULL: the body does not adapt
+
   // cells between splits and merges
   LthMesh *atoms; ///< NULL: nothing was merged
   LitheIndex *atom_record;
@@ -60,7 +63,7 @@ LitheStatus lth_body_change_inherit(LitheCtx *ctx, LthBody *body);
 /// Between splits and merges: remember the cells of now, of which each is a part of one old cell and of one new one.
 LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body);
 
-/// True where the log of a body's topology has something to follow.
+/// True where the log of a body's topology has something to follow, or a cell another degree than its space.
 bool lth_body_has_changed(const LthBody *body);
 
 /// Note that a plane goes through a cell.

@@ -3,7 +3,7 @@
 
 #include "io/checkpoint_file.h"
 #include "io/file.h"
-#include "scene/change.h"
+#include "scene/adapt.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -67,6 +67,7 @@ static void walk_world(LthArchive *a, LthWorld *world) {
   lth_archive_mark(a, "world");
   walk_warnings(a);
   lth_world_change_archive(world, a);
+  lth_adapt_archive(world, a);
   if (a->status != LITHE_OK) return;
   lth_simulation_archive(world->sim, a);
 }

@@ -134,28 +134,58 @@ static LitheStatus make_cut(LitheCtx *ctx, LthWorld *world, LitheIndex i) {
 
 // --- slivers ---
 
+/// What counts as a whole element of a level: each division halves it, or makes an eighth of it.
+static double whole_volume(const LthBody *body, int level) {
+  const LthTopology *t = body->change->topology;
+  double share = body->scene->adapt_h.division == LTH_DIVIDE_TWO ? 0.5 : 0.125;
+  return t->cell_size * t->cell_size * t->cell_size * pow(share, level);
+}
+
+/// Births of a level that are smaller than the mesh asks for (room for all births).
+static LitheIndex list_slivers(const LthBody *body, int level, LitheIndex *cells) {
+  const LthBodyChange *c = body->change;
+  const LthTopology *t = c->topology;
+  double volume = body->def->sliver * whole_volume(body, level);
+  LitheIndex n = 0;
+  for (LitheIndex i = 0; i < t->log.n_births; i++) {
+    LitheIndex cell = t->log.births[i].cell;
+    if (t->cells[cell].is_live && c->level[cell] == level && t->cells[cell].volume < volume)
+      cells[n++] = cell;
+  }
+  return n;
+}
+
+static LitheStatus merge_level(LitheCtx *ctx, LthBody *body, int level, LitheIndex *n_merged) {
+  LthTopology *t = body->change->topology;
+  LitheIndex *cells = NULL, n_now = 0;
+  LITHE_TRY(lth_body_change_inherit(ctx, body));
+  LTH_NEW(ctx, cells, t->log.n_births);
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = list_slivers(body, level, cells);
+  if (n > 0 && !body->change->atoms) LITHE_TRY_OR(done, lth_body_change_hold(ctx, body));
+  if (n > 0)
+    LITHE_TRY_OR(done,
+                 lth_topology_merge_slivers(ctx, t, n, cells,
+                                            body->def->sliver * whole_volume(body, level), &n_now));
+  *n_merged += n_now;
+done:
+  lth_free(ctx, cells);
+  return status;
+}
+
 /// Merge what a body's cuts left below the volume that its mesh asks for; counted in its last note.
 static LitheStatus merge_slivers(LitheCtx *ctx, LthWorld *world, LitheIndex b) {
   LthBody *body = world->bodies[b];
-  LthTopology *t = body->change->topology;
-  LitheIndex n = 0, n_merged = 0, *cells = NULL;
-  double volume = body->def->sliver * t->cell_size * t->cell_size * t->cell_size;
-  LTH_NEW(ctx, cells, t->log.n_births);
-  for (LitheIndex i = 0; i < t->log.n_births; i++) {
-    LitheIndex cell = t->log.births[i].cell;
-    if (t->cells[cell].is_live && t->cells[cell].volume < volume) cells[n++] = cell;
-  }
-  LitheStatus status = LITHE_OK;
-  if (n > 0) LITHE_TRY_OR(done, lth_body_change_hold(ctx, body));
-  if (n > 0) LITHE_TRY_OR(done, lth_topology_merge_slivers(ctx, t, n, cells, volume, &n_merged));
+  LitheIndex n_merged = 0;
+  int n_levels = body->scene->adapt_h.is_on ? body->scene->adapt_h.limit + 1 : 1;
+  for (int level = 0; level < n_levels; level++)
+    LITHE_TRY(merge_level(ctx, body, level, &n_merged));
   for (LitheIndex i = world->n_notes; i-- > world->n_settled && n_merged > 0;)
     if (world->notes[i].body == b) {
       world->notes[i].n_merged += n_merged;
       break;
     }
-done:
-  lth_free(ctx, cells);
-  return status;
+  return LITHE_OK;
 }
 
 static LitheStatus merge_all(LitheCtx *ctx, LthWorld *world) {

@@ -23,7 +23,9 @@ static const char *const columns[] = {"t",
                                       "momentum_z",
                                       "angular_momentum_x",
                                       "angular_momentum_y",
-                                      "angular_momentum_z"};
+                                      "angular_momentum_z",
+                                      "elements",
+                                      "unknowns"};
 
 LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, bool resumes,
                              LthHistory **history) {
@@ -37,8 +39,19 @@ LitheStatus lth_history_open(LitheCtx *ctx, const char *folder, bool resumes,
   return status;
 }
 
+/// Elements and unknowns of all bodies.
+static void count(const LthWorld *world, double n[2]) {
+  n[0] = n[1] = 0;
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    n[0] += lth_body_elements(world->bodies[b]);
+    n[1] += (double)lth_body_unknowns(world->bodies[b]);
+  }
+}
+
 LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *world) {
   const LthStepReport *r = lth_simulation_report(world->sim);
+  double n[2];
+  count(world, n);
   const double row[] = {lth_simulation_time(world->sim),
                         r->strain_energy,
                         r->kinetic_energy,
@@ -54,7 +67,9 @@ LitheStatus lth_history_row(LitheCtx *ctx, LthHistory *history, const LthWorld *
                         r->momentum[2],
                         r->angular_momentum[0],
                         r->angular_momentum[1],
-                        r->angular_momentum[2]};
+                        r->angular_momentum[2],
+                        n[0],
+                        n[1]};
   return lth_csv_row(ctx, history->csv, row);
 }
 

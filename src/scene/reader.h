@@ -169,6 +169,7 @@ LitheStatus lth_read_ties(LthReader *r);      // read_tie.c, after the bodies
 LitheStatus lth_read_cuts(LthReader *r);      // read_cut.c, after the bodies
 LitheStatus lth_read_colliders(LthReader *r); // read_collider.c
 LitheStatus lth_read_motion(LthReader *r, const LthNode *motion, LthCollider *collider);
+void lth_read_adapt(LthReader *r); // read_adapt.c, after the bodies
 void lth_read_time(LthReader *r); // read_run.c
 void lth_read_solver(LthReader *r);
 void lth_read_contact(LthReader *r);

@@ -350,6 +350,7 @@ static LitheStatus put_all(LitheCtx *ctx, const LthResultInput *in, LthJson *jso
   put_contact(json, world);
   put_ties(json, world);
   lth_result_put_changes(json, world);
+  lth_result_put_adapt(json, world);
   LITHE_TRY(put_error(ctx, json, world));
   put_solver(json, report, in->condition);
   put_times(json, &in->times, report);

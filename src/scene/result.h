@@ -23,6 +23,9 @@ typedef struct LthResultInput {
 /// Section `topology`, where something has changed (result_change.c).
 void lth_result_put_changes(LthJson *json, const LthWorld *world);
 
+/// Section `adapt`, where the scene has it.
+void lth_result_put_adapt(LthJson *json, const LthWorld *world);
+
 /// Text of the result, freed by lth_free(), and the figures that a summary shows.
 LitheStatus lth_result_text(LitheCtx *ctx, const LthResultInput *input, LitheRunSummary *summary,
                             char **text);

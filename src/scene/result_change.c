@@ -1,4 +1,5 @@
-/// Section `topology` of result.json: what has changed of the bodies' elements.
+/// Sections `topology` and `adapt` of result.json: what has changed of the bodies' elements.
+#include "scene/adapt.h"
 #include "scene/result.h"
 
 static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *n) {
@@ -29,4 +30,47 @@ void lth_result_put_changes(LthJson *json, const LthWorld *world) {
   lth_json_begin_array(json, "topology");
   for (LitheIndex i = 0; i < world->n_notes; i++) put_note(json, world, world->notes + i);
   lth_json_end_array(json);
+}
+
+/// Levels and degrees that cells have now.
+static void put_range(LthJson *json, const char *key, const LthBody *body,
+                      const uint8_t *by_record) {
+  double range[2] = {255, 0};
+  for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
+    uint8_t value = by_record[body->change->cell_record[c]];
+    if (value < range[0]) range[0] = value;
+    if (value > range[1]) range[1] = value;
+  }
+  lth_json_vector(json, key, 2, range);
+}
+
+static void put_adapted(LthJson *json, const LthBody *body, const LthAdaptBody *state) {
+  lth_json_begin_object(json, NULL);
+  lth_json_string(json, "body", body->def->name);
+  lth_json_integer(json, "elements_first", state->n_first);
+  lth_json_integer(json, "elements_most", state->n_most);
+  lth_json_integer(json, "divided", state->n_divided);
+  lth_json_integer(json, "merged", state->n_merged);
+  lth_json_integer(json, "raised", state->n_raised);
+  lth_json_integer(json, "lowered", state->n_lowered);
+  put_range(json, "level", body, body->change->level);
+  put_range(json, "degree", body, body->change->degree);
+  lth_json_end_object(json);
+}
+
+void lth_result_put_adapt(LthJson *json, const LthWorld *world) {
+  const LthAdapt *a = world->adapt;
+  if (!a) return;
+  lth_json_begin_object(json, "adapt");
+  lth_json_integer(json, "looks", a->n_looks);
+  lth_json_integer(json, "changes", a->n_changes);
+  lth_json_number(json, "largest_change_of_strain_energy", a->jump[0]);
+  lth_json_number(json, "largest_change_of_kinetic_energy", a->jump[1]);
+  if (world->scene->time_kind == LTH_TIME_DYNAMIC)
+    lth_json_number(json, "largest_release", a->released);
+  lth_json_begin_array(json, "bodies");
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    if (a->bodies[b].first_degree) put_adapted(json, world->bodies[b], a->bodies + b);
+  lth_json_end_array(json);
+  lth_json_end_object(json);
 }

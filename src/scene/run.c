@@ -3,6 +3,7 @@
 
 #include "io/file.h"
 #include "io/matrix_market.h"
+#include "scene/adapt.h"
 #include "scene/checkpoint.h"
 #include "scene/cut.h"
 #include "scene/result.h"
@@ -63,6 +64,12 @@ static LitheStatus change(LitheCtx *ctx, Run *run, double to) {
   return changed ? lth_output_renew(ctx, &run->out, run->world) : LITHE_OK;
 }
 
+/// Look at the elements after a solve that led `dt` on (0: equilibrium). `*changed`: they are others now.
+static LitheStatus adapt(LitheCtx *ctx, Run *run, double dt, int round, bool *changed) {
+  LITHE_TRY(lth_adapt_look(ctx, run->world, dt, round, changed));
+  return *changed ? lth_output_renew(ctx, &run->out, run->world) : LITHE_OK;
+}
+
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
 static LitheStatus step(LitheCtx *ctx, Run *run, double dt, double to) {
@@ -74,6 +81,18 @@ static LitheStatus step(LitheCtx *ctx, Run *run, double dt, double to) {
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)
     LITHE_TRY(lth_scene_check_values(ctx, run->scene));
   return status;
+}
+
+/// A step and what follows from it for the elements: equilibria are solved again until these stay as they are.
+static LitheStatus step_and_adapt(LitheCtx *ctx, Run *run, double dt, double to) {
+  bool is_dynamic = run->schedule.kind == LTH_TIME_DYNAMIC, changed = true;
+  LITHE_TRY(lth_adapt_before_step(ctx, run->world));
+  for (int round = 0; changed; round++) {
+    LITHE_TRY(step(ctx, run, dt, to));
+    LITHE_TRY(adapt(ctx, run, is_dynamic ? dt : 0, round, &changed));
+    if (is_dynamic) break;
+  }
+  return LITHE_OK;
 }
 
 /// To the next output time.
@@ -89,7 +108,7 @@ static LitheStatus advance(LitheCtx *ctx, Run *run) {
     lth_progress(ctx, "simulating", s->duration > 0 ? done / s->duration : -1);
     double dt = (end - begin) / (double)n;
     LITHE_TRY(change(ctx, run, begin + dt * (i + 1)));
-    LITHE_TRY(step(ctx, run, dt, begin + dt * (i + 1)));
+    LITHE_TRY(step_and_adapt(ctx, run, dt, begin + dt * (i + 1)));
   }
   lth_simulation_set_time(run->world->sim, end);
   return LITHE_OK;

@@ -32,6 +32,7 @@ static LitheStatus read_parts(LthReader *r) {
   LITHE_TRY(lth_read_bodies(r));
   LITHE_TRY(lth_read_ties(r));
   LITHE_TRY(lth_read_cuts(r));
+  lth_read_adapt(r);
   LITHE_TRY(lth_read_colliders(r));
   lth_read_contact(r);
   lth_read_solver(r);

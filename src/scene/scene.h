@@ -10,6 +10,7 @@
 #include "material/material.h"
 #include "mesh/element_mesh.h"
 #include "mesh/piece.h"
+#include "mesh/refinement.h"
 #include "mesh/selection.h"
 #include "step/simulation.h"
 
@@ -128,6 +129,20 @@ typedef struct LthSceneCut {
   LthPlane plane;
 } LthSceneCut;
 
+/// What an element is judged by: the words of `criterion`, in their order.
+typedef enum LthCriterion { LTH_BY_STRESS, LTH_BY_TURN, LTH_BY_ERROR } LthCriterion;
+
+/// One half of `adapt`: division (h) or degree (p).
+typedef struct LthSceneAdapt {
+  bool is_on;
+  LthCriterion criterion;
+  double threshold;     ///< [Pa], [rad] or [1]
+  double coarsen;       ///< share of it below which refinement is taken back
+  LthDivision division; ///< of h
+  LitheIndex limit;     ///< highest level, highest degree
+  LitheIndex every;     ///< steps between two looks
+} LthSceneAdapt;
+
 typedef enum LthTimeKind { LTH_TIME_STATIC, LTH_TIME_QUASISTATIC, LTH_TIME_DYNAMIC } LthTimeKind;
 
 /// What touches. Auto: see build_contact.c.
@@ -161,6 +176,9 @@ typedef struct LthScene {
   LitheIndex n_ties;
   LthSceneCut *cuts;
   LitheIndex n_cuts;
+  LthSceneAdapt adapt_h, adapt_p;
+  double adapt_blend;        ///< time in which what new functions release comes to act [s]
+  LitheIndex adapt_elements; ///< nothing is divided beyond so many
   LthTimeKind time_kind;
   double duration, step; ///< [s]
   LitheIndex steps;      ///< quasistatic

@@ -111,8 +111,20 @@ static void warn_degrees(const LthSchema *s, const LthNode *node, const LthUnit 
            path ? path : "", angle, angle / 6.283185307179586, angle);
 }
 
+/// The unit that a neighbouring key's word gives; NULL where that word is wrong.
+static const char *unit_by(const LthNode *by, const LthNode *node) {
+  const LthNode *word = lth_node_find(node->parent, lth_node_find(by, "key")->text);
+  const LthNode *unit = word && word->kind == LTH_NODE_SCALAR
+                            ? lth_node_find(lth_node_find(by, "units"), word->text)
+                            : NULL;
+  return unit ? unit->text : NULL;
+}
+
 static LitheStatus check_number(const LthSchema *s, LthNode *node, const LthNode *rule,
                                 Inherited from) {
+  const LthNode *by = keyword(s, rule, "x-unit-by");
+  if (by) from.unit = unit_by(by, node);
+  if (by && !from.unit) return LITHE_OK;
   LthQuantity quantity = {.may_use = from.may_use, .unit_name = from.unit ? from.unit : "1"};
   lth_unit_parse(quantity.unit_name, &quantity.unit, NULL, NULL);
   bool is_good = false;

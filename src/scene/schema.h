@@ -5,6 +5,7 @@
 /// exclusiveMaximum, minLength, default, anyOf (alternatives told apart by their kind), oneOf and `not`
 /// of `required` lists, $ref into $defs, and these of its own:
 ///   x-unit          SI unit of a number; it may be written with any unit of that dimension
+///   x-unit-by       {key, units}: the unit is that of the word which the neighbouring key has
 ///   x-varies        "xyz", "xyzt", "t": an expression of these may stand for the number
 ///   x-built         false: known, but refused in this version
 ///   x-unbuilt       the words of an enum that are refused in this version

@@ -2,6 +2,7 @@
 #include "scene/world.h"
 
 #include "base/tensor.h"
+#include "scene/adapt.h"
 #include "scene/cut.h"
 #include "system/free_motion.h"
 
@@ -107,6 +108,8 @@ LitheStatus lth_world_create_meshes(LitheCtx *ctx, const LthScene *scene, LthWor
   for (; w->n_bodies < scene->n_bodies; w->n_bodies++)
     LITHE_TRY(
         lth_body_create_mesh(ctx, scene, scene->bodies + w->n_bodies, w->bodies + w->n_bodies));
+  for (LitheIndex b = 0; b < w->n_bodies; b++)
+    LITHE_TRY(lth_adapt_begin_body(ctx, scene, w->bodies[b]));
   return lth_world_cut_first(ctx, w);
 }
 
@@ -146,6 +149,7 @@ LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times
   LITHE_TRY(lth_world_build_system(ctx, w));
   LITHE_TRY(lth_world_create_simulation(ctx, w));
   for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_build_initial(ctx, w->bodies[b]));
+  LITHE_TRY(lth_adapt_begin(ctx, w));
   times[1] = lth_now() - start - times[0];
   return lth_world_settle_notes(ctx, w);
 }
@@ -157,6 +161,7 @@ void lth_world_destroy(LitheCtx *ctx, LthWorld **world) {
   lth_system_destroy(ctx, &w->system);
   lth_world_free_pairs(ctx, w);
   lth_world_free_ties(ctx, w);
+  lth_adapt_end(ctx, w);
   for (LitheIndex b = 0; w->bodies && b < w->n_bodies; b++) lth_body_destroy(ctx, w->bodies + b);
   lth_free(ctx, w->bodies);
   lth_free(ctx, w->cut_done);

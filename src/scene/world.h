@@ -18,6 +18,8 @@ typedef struct LthWorldPair {
   LthContact *contact;
 } LthWorldPair;
 
+typedef struct LthAdapt LthAdapt; // adapt.h
+
 /// What a change of elements was.
 typedef enum LthChangeKind {
   LTH_CHANGE_PLANE,
@@ -58,6 +60,7 @@ typedef struct LthWorld {
   LitheIndex n_notes, n_settled; ///< settled: energies are known
   LitheCount cap_notes;
   LitheIndex n_renewals;
+  LthAdapt *adapt; ///< NULL: nothing adapts
 } LthWorld;
 
 /// Build everything that a run needs. `times` (2): seconds spent on meshes and on all integration.

@@ -99,6 +99,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   lth_free(ctx, s->levels_x);
   lth_free(ctx, s->levels_extra);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
+  lth_free(ctx, s->rate);
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);

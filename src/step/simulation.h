@@ -110,6 +110,15 @@ typedef LitheStatus LthFieldMove(LitheCtx *ctx, const void *self, const double *
 LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *sim, const LthSimulation *from,
                                    LthFieldMove *move, const void *self);
 
+/// Keep the acceleration of the step of now (n) [m/s^2] for a simulation that inherits.
+LitheStatus lth_simulation_keep_rate(LitheCtx *ctx, LthSimulation *sim, const double *rate);
+
+/// After inheriting with a kept acceleration: what is out of balance in the block rows marked is what new functions
+/// release. Hold it back by a force that falls to 1/e in `decay` [s] (0: do not). `released`: its root mean
+/// square over all mass [m/s^2]. Needs a matrix.
+LitheStatus lth_simulation_hold_back(LitheCtx *ctx, LthSimulation *sim, const uint8_t *rows,
+                                     double decay, double *released);
+
 /// Recompute energies, momenta and work of the present state.
 void lth_simulation_measure(LitheCtx *ctx, LthSimulation *sim);
 const LthStepReport *lth_simulation_report(const LthSimulation *sim);

@@ -97,6 +97,7 @@ struct LthSimulation {
 
   double *x_rest, *x, *v, *u; // coefficients                                        (n)
   double *mass;               // lumped, per unknown [kg]
+  double *rate;               // acceleration kept for a successor, or NULL [m/s^2]
   double *row_mass;           // M 1, per unknown [kg]
   double *cm, *ck;            // factors of M and K in the present system, per body
   double *f_ext, *f0;
@@ -195,6 +196,11 @@ LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look
 /// Contact's part of the system: y += C x, rhs += its forces, and the diagonal blocks of C (n_extra).
 void lth_step_contact_apply(const LthSimulation *s, const double *x, double *y);
 void lth_step_contact_rhs(const LthSimulation *s, double *rhs);
+
+// step_fade.c
+LitheStatus lth_fade_inherit(LitheCtx *ctx, LthSimulation *s, const LthSimulation *from,
+                             LthFieldMove *move, const void *self);
+void lth_fade_archive(LthSimulation *s, LthArchive *a);
 void lth_step_contact_diagonal(const LthSimulation *s, double *extra);
 
 /// After a solve: true where the set of points has changed. Then its figures into the report.

@@ -143,6 +143,7 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   LTH_ARCHIVE_ARRAY(a, s->v, s->n);
   walk_stage(s, a);
   walk_memory(s->system, a);
+  lth_fade_archive(s, a);
   walk_solvers(s, a);
   if (s->held_force) LTH_ARCHIVE_ARRAY(a, s->held_force, s->n);
   LTH_ARCHIVE_ARRAY(a, s->f_ext, s->n); // the work of the next equilibrium begins with it

@@ -35,5 +35,6 @@ LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *s, const LthSim
   LITHE_TRY(move(ctx, self, from->x, s->x));
   LITHE_TRY(move(ctx, self, from->v, s->v));
   LITHE_TRY(move_stage(ctx, s, from, move, self));
+  LITHE_TRY(lth_fade_inherit(ctx, s, from, move, self));
   return find_forces(ctx, s, from);
 }

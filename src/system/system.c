@@ -1,6 +1,7 @@
 /// Several bodies as one system: creation, assembly, loads.
 #include "system/system_priv.h"
 
+#include <math.h>
 #include <string.h>
 
 static const LthDisc *disc_of(const LthSystem *s, LitheIndex b) { return s->bodies[b].disc; }
@@ -25,9 +26,16 @@ static LitheStatus add_loads(LitheCtx *ctx, const LthSystem *s, bool fixed, doub
   return LITHE_OK;
 }
 
+double lth_system_fade_left(const LthSystem *s, double t) {
+  double left = s->fade ? exp(-fmax(t - s->fade_start, 0) / s->fade_decay) : 0;
+  return left > 1e-3 ? left : 0;
+}
+
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *s, double t, const double *x,
                                       double *f) {
+  double left = lth_system_fade_left(s, t);
   memcpy(f, s->f_fixed, sizeof *f * (size_t)s->n);
+  for (LitheCount i = 0; left > 0 && i < s->n; i++) f[i] += left * s->fade[i];
   return add_loads(ctx, s, false, t, x, f);
 }
 
@@ -156,9 +164,9 @@ void lth_system_destroy(LitheCtx *ctx, LthSystem **system) {
   LthSystem *s = *system;
   if (!s) return;
   lth_system_parts_free(ctx, s);
-  void *blocks[] = {s->bodies, s->couplings, s->contacts, s->row_first, s->dof_first, s->row_body,
-                    s->held,   s->row_held,  s->one,      s->f_fixed,   s->scratch,   s->part,
-                    s};
+  void *blocks[] = {
+      s->bodies,   s->couplings, s->contacts, s->row_first, s->dof_first, s->row_body, s->held,
+      s->row_held, s->one,       s->f_fixed,  s->fade,      s->scratch,   s->part,     s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   *system = NULL;
 }

@@ -58,16 +58,18 @@ typedef struct LthSystem {
   LitheCount *dof_first;
   LitheIndex *row_body; ///< body of a block row                              (n_rows)
   double gravity[3];
-  bool warped;           ///< some body is
-  bool is_nonlinear;     ///< warped, or forces follow the position otherwise
-  bool has_held;         ///< some unknown is
-  uint8_t *held;         ///< LthHeld (n), NULL where none is
-  uint8_t *row_held;     ///< some unknown of a block row is, or NULL          (n_rows)
-  double *one;           ///< coefficients of the function 1                   (n / 3)
-  double *f_fixed;       ///< gravity and loads that never change [N]          (n)
-  double *scratch;       ///< (n)
-  LthBlockMatrix **part; ///< a body's rows of A, values lent from there       (n_bodies)
-  bool lends;            ///< they are: parts have none of their own
+  bool warped;                   ///< some body is
+  bool is_nonlinear;             ///< warped, or forces follow the position otherwise
+  bool has_held;                 ///< some unknown is
+  uint8_t *held;                 ///< LthHeld (n), NULL where none is
+  uint8_t *row_held;             ///< some unknown of a block row is, or NULL          (n_rows)
+  double *one;                   ///< coefficients of the function 1                   (n / 3)
+  double *f_fixed;               ///< gravity and loads that never change [N]          (n)
+  double *fade;                  ///< a force that dies away, NULL: none [N]           (n)
+  double fade_start, fade_decay; ///< when it was whole, and the time in which it falls to 1/e [s]
+  double *scratch;               ///< (n)
+  LthBlockMatrix **part;         ///< a body's rows of A, values lent from there       (n_bodies)
+  bool lends;                    ///< they are: parts have none of their own
 } LthSystem;
 
 /// How the only body of a system can be solved without a matrix, or NULL: it must be linear, and tied to none.
@@ -93,6 +95,9 @@ void lth_system_apply_mass(const LthSystem *system, const double *v, double *y);
 /// The same of one body; other entries of v and y (n each) stay.
 void lth_system_apply_body_mass(const LthSystem *system, LitheIndex b, const double *v, double *y);
 void lth_system_mass_diagonal(const LthSystem *system, double *mass); ///< (n)
+
+/// What is left at time t of the force that dies away: 1 at first, 0 once it is below a thousandth.
+double lth_system_fade_left(const LthSystem *system, double t);
 
 /// f = external forces at time t, without contact.
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *system, double t, const double *x,

@@ -74,8 +74,10 @@ static void refuses_what_is_not_built_yet(void **state) {
   EXPECT_OVERRIDE_ERROR("cuts=[{at: 0}]",
                         "--set cuts=[{at: 0}]: cuts.0: incomplete, got none of the keys it needs; "
                         "expected exactly one of plane");
-  EXPECT_OVERRIDE_ERROR("adapt={h: {}}",
-                        "--set adapt={h: {}}: adapt: " UNBUILT "a mapping; leave it out");
+  EXPECT_OVERRIDE_ERROR("adapt={h: {criterion: rotation, threshold: 5 kPa}}",
+                        "--set adapt={h: {criterion: rotation, threshold: 5 kPa}}: "
+                        "adapt.h.threshold: the unit is that of a pressure, got 5 kPa; expected "
+                        "an angle [rad]");
   EXPECT_OVERRIDE_ERROR("solver.linear=petsc",
                         "--set solver.linear=petsc: solver.linear: " UNBUILT
                         "\"petsc\"; available: auto, cholesky, pcg or multigrid");
