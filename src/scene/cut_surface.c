@@ -312,11 +312,39 @@ static void walk_solid(LthCutSurface *c, LthArchive *a) {
   LTH_ARCHIVE_ARRAY(a, c->home, c->n_home);
 }
 
-/// Polygons follow from the points and the topology.
+/// Polygons as the cuts left them: elements may have been divided since, which they do not show.
+static LitheStatus make_polygons(LitheCtx *ctx, LthSoup *soup, const LitheCount n[3], bool has_uv) {
+  void *blocks[] = {soup->poly_off, soup->poly_point, soup->poly_group, soup->poly_uv, soup->uvs};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  soup->poly_off = soup->poly_point = soup->poly_group = soup->poly_uv = NULL;
+  soup->uvs = NULL;
+  LTH_NEW(ctx, soup->poly_off, n[0] + 1);
+  LTH_NEW(ctx, soup->poly_point, n[1]);
+  LTH_NEW(ctx, soup->poly_group, n[0]);
+  if (has_uv) LTH_NEW(ctx, soup->poly_uv, n[1]);
+  if (has_uv) LTH_NEW(ctx, soup->uvs, 2 * n[2]);
+  soup->n_polys = (LitheIndex)n[0], soup->n_uvs = (LitheIndex)n[2];
+  return LITHE_OK;
+}
+
+static void walk_polygons(LthSkin *skin, LthArchive *a) {
+  LthSoup *soup = skin->soup;
+  LitheCount n[3] = {soup->n_polys, a->is_reading ? 0 : soup->poly_off[soup->n_polys], soup->n_uvs};
+  bool has_uv = soup->poly_uv != NULL;
+  for (int i = 0; i < 3; i++) lth_archive_count(a, n + i);
+  LTH_ARCHIVE(a, has_uv);
+  LTH_ARCHIVE(a, skin->n_caps);
+  if (a->status == LITHE_OK && a->is_reading) a->status = make_polygons(a->ctx, soup, n, has_uv);
+  if (a->status != LITHE_OK) return;
+  LTH_ARCHIVE_ARRAY(a, soup->poly_off, n[0] + 1);
+  LTH_ARCHIVE_ARRAY(a, soup->poly_point, n[1]);
+  LTH_ARCHIVE_ARRAY(a, soup->poly_group, n[0]);
+  if (has_uv) LTH_ARCHIVE_ARRAY(a, soup->poly_uv, n[1]);
+  if (has_uv) LTH_ARCHIVE_ARRAY(a, soup->uvs, 2 * n[2]);
+}
+
 static LitheStatus restore(LitheCtx *ctx, LthBody *body) {
   LthCutSurface *c = body->change->surface;
-  if (c->is_cut)
-    LITHE_TRY(lth_skin_update(ctx, c->skin, c->solid ? c->solid : body->change->topology));
   if (c->is_cut) body->soup = c->skin->soup;
   if (c->solid && c->n_home < c->skin->soup->n_points) return LITHE_OK; // nothing was ever followed
   return number_cells(ctx, body, body->mesh->n_cells, body->change->cell_record);
@@ -330,6 +358,7 @@ void lth_cut_surface_archive(LthBody *body, LthArchive *a) {
   LTH_ARCHIVE(a, c->has_changed);
   LTH_ARCHIVE(a, c->n_cuts);
   walk_skin(c, a);
+  if (c->is_cut && a->status == LITHE_OK) walk_polygons(c->skin, a);
   if (c->solid) walk_solid(c, a);
   if (a->status == LITHE_OK && a->is_reading) a->status = restore(a->ctx, body);
 }

@@ -11,6 +11,7 @@ LitheStatus lth_study_smoothness(LthStudyRun *run);  ///< Fig. 5
 LitheStatus lth_study_contact(LthStudyRun *run);     ///< Fig. 6
 LitheStatus lth_study_ears(LthStudyRun *run);        ///< Fig. 7
 LitheStatus lth_study_table_1(LthStudyRun *run);
+LitheStatus lth_study_refinement(LthStudyRun *run); ///< Fig. 8
 LitheStatus lth_study_locking(LthStudyRun *run); ///< Fig. 9
 LitheStatus lth_study_small(LthStudyRun *run);   ///< Fig. 11
 LitheStatus lth_study_thin(LthStudyRun *run);    ///< Fig. 12

@@ -76,7 +76,7 @@ static void refuses_what_is_not_built_yet(void **state) {
                         "expected exactly one of plane");
   EXPECT_OVERRIDE_ERROR("adapt={h: {criterion: rotation, threshold: 5 kPa}}",
                         "--set adapt={h: {criterion: rotation, threshold: 5 kPa}}: "
-                        "adapt.h.threshold: the unit is that of a pressure, got 5 kPa; expected "
+                        "adapt.h.threshold: wrong dimension, got \"5 kPa\", a pressure; expected "
                         "an angle [rad]");
   EXPECT_OVERRIDE_ERROR("solver.linear=petsc",
                         "--set solver.linear=petsc: solver.linear: " UNBUILT
