@@ -24,3 +24,7 @@ $render out/ears,out/ears-embedded docs/pictures/ears.png --colour displacement 
 
 "$lithe" run scenes/two-bunnies.yaml -o out/two-bunnies
 $render out/two-bunnies docs/pictures/two-bunnies.png --frames 0,7,10,14 --floor 0 --zoom 1.25 --colour none --size 300x360
+
+"$lithe" run scenes/bar-adapt.yaml -o out/bar-adapt
+$render out/bar-adapt docs/pictures/bar-adapt.png --what elements --shrink 0.97 --up z --azimuth 15 --frames 0,15,24,35 \
+  --size 460x380 --zoom 1.25

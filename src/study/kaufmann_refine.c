@@ -43,7 +43,7 @@ typedef struct Bar {
 
 /// The front of the bar as it is now: every boundary face that looks along -y, a polygon shaded by its level.
 static void draw_front(const Bar *bar, const LthBody *body) {
-  static const double box[4] = {-0.1, -1, 4.6, 1.15};
+  static const double box[4] = {-0.1, -0.7, 4.6, 1.15};
   const LthMesh *mesh = body->mesh;
   const double *x = lth_body_position(body);
   LthDrawing *d = bar->drawing;
@@ -109,7 +109,7 @@ static double at_full_load(const Bar *bar) {
 
 static LitheStatus draw_bars(LthStudyRun *run, Bar bar[2]) {
   LthDrawing d = {.ctx = run->ctx};
-  lth_draw_begin(&d, 670, 190);
+  lth_draw_begin(&d, 670, 160);
   lth_draw_words(&d, 8, 16, "(a) in eight, two levels");
   lth_draw_words(&d, 348, 16, "(b) in two, three levels");
   for (int i = 0; i < 2; i++) bar[i].drawing = &d, bar[i].drawn_at = 1, bar[i].left = 340 * i;
