@@ -7,7 +7,7 @@ checks may follow, else those of its own group are used. A check is "study NAME"
 DG = ["study validation/patch-test", "study validation/tension", "study validation/cook", "test_dg_operator", "test_dg_patch",
       "test_dg_hp", "test_dg_beam", "test_dg_load", "test_system", "test_step_newton"]
 CG = ["study validation/tension", "study validation/cook", "test_cg_operator", "test_cg_load", "test_step_newton"]
-STAGGERED = ["study dolny/table5.1", "study validation/tension", "test_staggered_operator", "test_staggered_disc", "test_staggered_load"]
+STAGGERED = ["study dolny/table5.1", "study validation/tension", "test_staggered_weights", "test_staggered_operator", "test_staggered_disc", "test_staggered_load"]
 
 CHECKS = {
     "element matrix": DG,
@@ -21,7 +21,7 @@ CHECKS = {
     "conforming": CG,
     "staggered operator": STAGGERED,
     "staggered loads": STAGGERED,
-    "mixed form": ["test_staggered_mixed", "test_staggered_mixed_body"],
+    "mixed form": ["test_staggered_weights", "test_staggered_mixed", "test_staggered_mixed_body"],
     "large deformation": ["test_finite", "test_staggered_finite"],
     "multigrid": ["test_staggered_multigrid", "test_staggered_hierarchy"],
     "fractions": ["study dolny/table5.1", "study validation/sphere", "test_fractions_plane", "test_fractions", "test_fractions_exact"],

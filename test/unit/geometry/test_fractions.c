@@ -3,6 +3,7 @@
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
+#include "geometry/fractions_fill.h"
 
 #include <string.h>
 
@@ -124,8 +125,21 @@ static void functions_give_their_own_parts(void **state) {
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
 
+/// (1 - s - sin(pi s) / pi) / 2: what is left of a smooth bump of width 1 beyond s, by docs/theory/fractions.md.
+static void profile_falls_without_a_kink(void **state) {
+  (void)state;
+  CHECK_NEAR(lth_fraction_profile(0.5), 0.25 - 0.5 / M_PI, 1e-15);
+  CHECK_NEAR(lth_fraction_profile(-1. / 6), 7. / 12 + 0.25 / M_PI, 1e-15);
+  for (double s = -1; s <= 1; s += 0.125)
+    CHECK_NEAR(lth_fraction_profile(s) + lth_fraction_profile(-s), 1, 1e-15);
+  // slope and curvature end at zero: beyond it starts with the cube, pi^2 / 12 d^3
+  const double d = 1e-3;
+  CHECK_NEAR(lth_fraction_profile(1 - d) / (d * d * d), M_PI * M_PI / 12, 1e-5);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(profile_falls_without_a_kink),
       TEST(every_part_is_the_mean_of_its_own_samples),
       TEST(all_that_is_inside_is_in_a_block_with_all_its_neighbours),
       TEST(what_lies_beyond_the_grid_is_cut_off),
