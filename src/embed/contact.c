@@ -16,6 +16,10 @@ double lth_contact_auto_stiffness(double modulus, double cell_size, double weigh
               weight / (AUTO_WEIGHT * size * AUTO_SPOT * size * size));
 }
 
+double lth_contact_pair_stiffness(double soft, double cell_size, double weight, double size) {
+  return fmax(soft, lth_contact_auto_stiffness(0, cell_size, weight, size));
+}
+
 static double largest_weight_sum(const LthEmbedding *e) {
   double largest = 1;
   for (LitheIndex p = 0; p < e->n_points; p++) {
@@ -92,12 +96,19 @@ static void adapt_stiffness(LthContact *c) {
   bool rests = fabs(c->penetration - c->last_penetration) < 0.1 * c->penetration;
   c->last_penetration = c->penetration;
   // between bodies the softer one yields first: growing would only press a few points harder
-  bool grows = c->is_auto && c->n_sides == 1 && c->body_size > 0;
+  bool grows = c->is_auto && c->kind->may_grow && c->body_size > 0;
   if (!grows || !rests) return;
   if (c->penetration > AUTO_DEPTH * c->body_size && c->growth < AUTO_GROWTH_MAX) {
     c->stiffness *= AUTO_GROWTH;
     c->growth *= AUTO_GROWTH;
   }
+}
+
+void lth_touch_place(const LthContact *c, const LthTouch *touch, double x[3]) {
+  const double *position = c->side[touch->side].position;
+  x[0] = x[1] = x[2] = 0;
+  for (int l = 0; l < touch->n_own; l++)
+    lth_v3_axpy(touch->leg[l].weight, position + 3 * (size_t)touch->leg[l].point, x);
 }
 
 /// Points that slid take the anchor of their friction along: it ends where its pull is at the limit.
@@ -106,7 +117,7 @@ static void move_anchors(LthContact *c) {
     LthTouch *touch = &c->touch[i];
     double x[3], pull = touch->stiffness * lth_v3_norm(touch->trial);
     if (!touch->active || !(pull > touch->limit)) continue;
-    lth_v3_copy(c->side[touch->side].position + 3 * (size_t)touch->point, x);
+    lth_touch_place(c, touch, x);
     lth_v3_axpy(-touch->limit / pull, touch->trial, x);
     c->kind->move_anchor(c, touch, x);
   }
@@ -189,7 +200,7 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   if (!c->is_search) c->t = t;
   c->is_search = c->look != LTH_LOOK_STEP;
   c->dt = dt, c->round = 0, c->friction_round = 0;
-  if (c->kind->begin) c->kind->begin(c);
+  if (c->kind->begin) LITHE_TRY(c->kind->begin(ctx, c));
   adapt_stiffness(c);
   if (c->look <= LTH_LOOK_FIRST) move_anchors(c);
   c->t = t;

@@ -55,16 +55,38 @@ typedef struct LthPairDef {
   double stiffness, friction, damping; ///< as in LthContactDef
 } LthPairDef;
 
-/// Contact of one body with colliders, or of two bodies with each other.
+/// A body that consists of parts, each with a closed surface of its own. Point i of part k's surface is embedded point
+/// first_point[k] + i.
+typedef struct LthPartsSide {
+  const char *name;              ///< for messages, borrowed for life
+  const LthEmbedding *points;    ///< of all parts' surfaces, borrowed for life
+  const LthSurface *surface;     ///< at rest, borrowed for life              (n_parts)
+  const LitheIndex *first_point; ///< borrowed for life                       (n_parts + 1)
+  LitheIndex n_parts;
+  const uint8_t *excluded; ///< points whose triangles touch nothing (tied), or NULL (n_points)
+  double modulus;          ///< largest lambda + 2 mu [Pa]
+  double cell_size, body_size, body_weight; ///< [m], [m], [N]
+} LthPartsSide;
+
+/// Contact of the parts of one body with each other, or of the parts of two bodies: triangles of each part touch the
+/// surfaces of the others by points inside them, so that what lies face to face along a cut is sure of its side.
+typedef struct LthPartsDef {
+  int n_sides; ///< 1: every part of side[0] with every other; 2: those of side[0] with those of side[1]
+  LthPartsSide side[2];
+  double stiffness, friction, damping; ///< as in LthContactDef
+} LthPartsDef;
+
+/// Contact of one body with colliders, of two bodies with each other, or of parts of bodies.
 typedef struct LthContact LthContact;
 
 /// Set up for a body; `ctx` is kept for its number of threads. What changes in a run (active points,
 /// anchors of friction, an automatic stiffness) is inside: one contact per moving body.
 LitheStatus lth_contact_create(LitheCtx *ctx, const LthContactDef *def, LthContact **contact);
 LitheStatus lth_contact_create_pair(LitheCtx *ctx, const LthPairDef *def, LthContact **contact);
+LitheStatus lth_contact_create_parts(LitheCtx *ctx, const LthPartsDef *def, LthContact **contact);
 void lth_contact_destroy(LitheCtx *ctx, LthContact **contact);
 
-/// Bodies of a contact: 1 with colliders, else 2.
+/// Bodies of a contact: 1 with colliders and among the parts of a body, else 2.
 int lth_contact_sides(const LthContact *contact);
 
 /// Where a body stands in the vectors and diagonal blocks given to the functions below; 0 at first.
@@ -124,6 +146,10 @@ void lth_contact_archive(LthContact *contact, LthArchive *archive);
 /// friction between them starts anew.
 LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *contact, const LthContact *from,
                                 const LitheIndex *const point_of[2], bool same_surfaces);
+
+/// The same of contacts of parts, by places at rest: parts may be others than before, and more. Surfaces of both at rest
+/// are those that they were made with.
+LitheStatus lth_contact_inherit_parts(LitheCtx *ctx, LthContact *contact, const LthContact *from);
 
 /// Stiffness per area in use [Pa/m] (per point [N/m] where no area is known).
 double lth_contact_stiffness(const LthContact *contact);

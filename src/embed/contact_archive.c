@@ -45,8 +45,7 @@ static bool comes_before(const LthTouch *a, const LthTouch *b) {
   return a->other != b->other ? a->other < b->other : a->point < b->point;
 }
 
-LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *c, const LthContact *from,
-                                const LitheIndex *const point_of[2], bool same_surfaces) {
+void lth_contact_take(LthContact *c, const LthContact *from) {
   c->t = from->t;
   c->dt = from->dt;
   c->is_search = from->is_search;
@@ -58,13 +57,23 @@ LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *c, const LthContact *
   c->warned = from->warned;
   c->started = from->started;
   c->n_touch = 0;
+}
+
+LitheStatus lth_contact_insert(LitheCtx *ctx, LthContact *c, const LthTouch *touch) {
+  LTH_RESERVE(ctx, c->touch, c->touch_cap, (LitheCount)c->n_touch + 1);
+  LitheIndex at = c->n_touch++; // near its place: numbers mostly ascend
+  for (; at > 0 && comes_before(touch, c->touch + at - 1); at--) c->touch[at] = c->touch[at - 1];
+  c->touch[at] = *touch;
+  return LITHE_OK;
+}
+
+LitheStatus lth_contact_inherit(LitheCtx *ctx, LthContact *c, const LthContact *from,
+                                const LitheIndex *const point_of[2], bool same_surfaces) {
+  lth_contact_take(c, from);
   for (LitheIndex i = 0; same_surfaces && i < from->n_touch; i++) {
     LthTouch touch = from->touch[i];
     if (!renumber(&touch, point_of)) continue;
-    LTH_RESERVE(ctx, c->touch, c->touch_cap, (LitheCount)c->n_touch + 1);
-    LitheIndex at = c->n_touch++; // near its place: numbers mostly ascend
-    for (; at > 0 && comes_before(&touch, c->touch + at - 1); at--) c->touch[at] = c->touch[at - 1];
-    c->touch[at] = touch;
+    LITHE_TRY(lth_contact_insert(ctx, c, &touch));
   }
   LITHE_TRY(lth_contact_reserve(ctx, c));
   lth_contact_index(c);

@@ -11,16 +11,16 @@ typedef struct LthLeg {
   double weight;
 } LthLeg;
 
-#define LTH_LEGS_MAX 4 ///< a point and the corners of a triangle
+#define LTH_LEGS_MAX 6 ///< the corners of two triangles
 
 /// A point near a collider or another body. Equations: docs/theory/contact.md. Velocities are relative to the other
 /// body's material; that of a rigid collider, known beforehand, is kept apart in `velocity`.
 typedef struct LthTouch {
   int side;         ///< whose point
-  LitheIndex other; ///< collider; 0 in contacts of two bodies
-  LitheIndex point;
-  int n_legs;
-  LthLeg leg[LTH_LEGS_MAX]; ///< the first is the point itself, weight 1
+  LitheIndex other; ///< collider or part; 0 in contacts of two bodies
+  LitheIndex point; ///< its number on its side
+  int n_legs, n_own;
+  LthLeg leg[LTH_LEGS_MAX]; ///< the first n_own are the point itself, their weights sum to one
   bool active;
   bool anchored; ///< has been active in this search for an equilibrium
   double gap;    ///< of the start place to the collider at the end of the step [m]
@@ -65,17 +65,40 @@ typedef struct LthContactSide {
 
 /// What differs between contact with colliders and between bodies.
 typedef struct LthContactKind {
-  void (*begin)(LthContact *c); ///< places and velocities of all points are known; or NULL
+  /// Places of all points and velocities of samples are known. NULL: nothing to do.
+  LitheStatus (*begin)(LitheCtx *ctx, LthContact *c);
   LitheStatus (*find_near)(LitheCtx *ctx,
                            LthContact *c); ///< appends to c->touch, by side, other, point
   void (*move_anchor)(const LthContact *c, LthTouch *touch, const double x[3]);
   void (*destroy)(LitheCtx *ctx, LthContact *c); ///< frees c->self
+  bool may_grow; ///< an automatic stiffness, where a body rests too deep
 } LthContactKind;
+
+/// The point of another surface that a point may touch.
+typedef struct LthHit {
+  LitheIndex tri; ///< -1: none
+  double point[3], normal[3], gap;
+  bool held; ///< to the plane of its triangle, perhaps beside it
+} LthHit;
+
+/// What a point has met in a search for an equilibrium. Inside facets the nearest triangle, and the normal with it,
+/// jumps: a point that is pushed over an edge by either of two triangles would go to and fro for ever.
+typedef struct LthHold {
+  LitheIndex tri; ///< last one met inside, -1
+  int changes;
+} LthHold;
+
+/// A point's own normal, for choosing triangles that face it.
+typedef struct LthSeeker {
+  const LthBvh *bvh; ///< of the other's surface
+  double normal[3];
+  double facing; ///< largest cosine between the normals of what touches
+} LthSeeker;
 
 struct LthContact {
   LitheCtx *ctx;
   const LthContactKind *kind;
-  void *self; ///< LthRigid or LthPair
+  void *self; ///< LthRigid, LthPair or LthParts
   int n_sides;
   LthContactSide side[2];
   double friction, damping, cell_size, body_size;
@@ -111,6 +134,12 @@ LitheStatus lth_contact_create_sides(LitheCtx *ctx, int n_sides, const LthEmbedd
 /// Stiffer than a layer of cells, and stiff enough to carry a weight [N] on a spot of a body of `size`:
 /// equation (6), per area.
 double lth_contact_auto_stiffness(double modulus, double cell_size, double weight, double size);
+
+/// As stiff as `soft`, what the softer body needs, and enough for the lighter one's weight [N].
+double lth_contact_pair_stiffness(double soft, double cell_size, double weight, double size);
+
+/// Where the point of a touch is.
+void lth_touch_place(const LthContact *c, const LthTouch *touch, double x[3]);
 
 /// Append a touching point of a side.
 LitheStatus lth_touch_add(LitheCtx *ctx, LthContact *c, const LthTouch *touch);
@@ -148,6 +177,33 @@ void lth_corner_weights(const LthSurface *surface, LitheIndex tri, const double 
 bool lth_meet_plane(const LthBvh *bvh, LitheIndex tri, const double x[3], double *gap,
                     double foot[3]);
 
+/// The thinnest side of a box, and the distance of two boxes [m].
+double lth_box_thickness(const double box[6]);
+double lth_box_gap(const double a[6], const double b[6]);
+
+/// Fix friction's spring of a touch at point x of a triangle of the other's surface.
+void lth_touch_fix(const LthSurface *surface, LitheIndex tri, const double x[3], LthTouch *touch);
+
+/// Append the corners of the triangle that was hit, as points of that surface.
+void lth_touch_add_foot(const LthSurface *surface, const LthHit *hit, int side, LthTouch *touch);
+
+/// All the rest of a touch whose legs and stiffness are set, from its relative velocity v at the start: gap, spring,
+/// equations.
+void lth_touch_meet(LthContact *c, const LthSurface *surface, const LthHit *hit, double v[3],
+                    LthTouch *touch);
+
+// contact_seek.c
+
+/// A triangle that faces the point: LthBvhAccept.
+bool lth_seeker_faces(const void *self, LitheIndex tri);
+
+/// What point x meets on the other's surface that is nearer than `reach`, or inside and no deeper than `depth`. A point
+/// that is inside nearest to a face it cannot have come through is led back to one that it can.
+void lth_seek(const LthSeeker *seeker, const double x[3], double reach, double depth, LthHit *hit);
+
+/// Points that have changed their triangle too often keep to its plane, until their foot is far beside it.
+void lth_hold_on(const LthBvh *other, const double x[3], bool first, LthHold *hold, LthHit *hit);
+
 // contact_system.c
 
 /// Make room for the index of as many active points as there are touching ones.
@@ -158,6 +214,14 @@ void lth_contact_index(LthContact *c);
 
 /// Sum of the legs' values from the samples of all sides.
 void lth_touch_value(const LthContact *c, const LthTouch *touch, double value[3]);
+
+// contact_archive.c
+
+/// Take over all that another contact remembers, but for touches.
+void lth_contact_take(LthContact *c, const LthContact *from);
+
+/// Put a touch where it belongs in the order of the list.
+LitheStatus lth_contact_insert(LitheCtx *ctx, LthContact *c, const LthTouch *touch);
 
 // contact_revise.c
 

@@ -111,7 +111,7 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, LitheIndex collider, co
     if (r->gap[p] == INFINITY) continue;
     lth_embedding_from_samples(s->points, p, s->sample_value, v);
     if (r->gap[p] > REACH_STEPS * c->dt * lth_v3_norm(v) + REACH_CELLS * c->cell_size) continue;
-    LthTouch touch = {.point = p, .other = collider, .n_legs = 1, .leg = {{0, p, 1}}};
+    LthTouch touch = {.point = p, .other = collider, .n_legs = 1, .n_own = 1, .leg = {{0, p, 1}}};
     lth_v3_copy(v, touch.start);
     fill_touch(c, &touch, now, next, v);
     lth_touch_remember(c, &touch, v);
@@ -137,7 +137,10 @@ static LitheStatus rigid_find_near(LitheCtx *ctx, LthContact *c) {
   return LITHE_OK;
 }
 
-static const LthContactKind rigid_kind = {NULL, rigid_find_near, rigid_move_anchor, rigid_destroy};
+static const LthContactKind rigid_kind = {.find_near = rigid_find_near,
+                                          .move_anchor = rigid_move_anchor,
+                                          .destroy = rigid_destroy,
+                                          .may_grow = true};
 
 LitheStatus lth_contact_create(LitheCtx *ctx, const LthContactDef *def, LthContact **contact) {
   LitheStatus status = LITHE_OK;

@@ -64,6 +64,13 @@ LitheStatus lth_embedding_create_direct(LitheCtx *ctx, const LthDisc *disc, Lith
                                         const double *points, const LitheIndex *point_cell,
                                         LthEmbedding **embedding);
 
+/// Embed points of a dg body that follow the mean of the given cells, ascending: those of point p are
+/// cells[cell_off[p]] up to cell_off[p + 1]. Nothing else acts on them.
+LitheStatus lth_embedding_create_average(LitheCtx *ctx, const LthDisc *disc,
+                                         const LthDgSpace *space, LitheIndex n,
+                                         const double *points, const LitheIndex *cell_off,
+                                         const LitheIndex *cells, LthEmbedding **embedding);
+
 /// Embed the coarse nodes of the boundary, points of the mesh on two or three grid planes, each with its
 /// share of the boundary's area. The points of `surface` (with areas; NULL: none) follow behind; each kind
 /// then stands for half of the area. `space`: of a dg body; NULL: the points follow `disc` directly.

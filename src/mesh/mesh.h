@@ -56,6 +56,9 @@ LthFaceView lth_mesh_face(const LthMesh *mesh, LitheIndex f);
 /// loop each, as those from files have. Free with lth_soup_destroy().
 LitheStatus lth_mesh_boundary_soup(LitheCtx *ctx, const LthMesh *mesh, LthSoup **soup);
 
+/// Parts that hang together through inner faces: that of each cell (n_cells), numbered by their first cells; and how many.
+LitheStatus lth_mesh_parts(LitheCtx *ctx, const LthMesh *mesh, LitheIndex *part, LitheIndex *n);
+
 /// +1 where face f's normal points out of cell, -1 where it points in.
 static inline double lth_mesh_side(const LthMesh *mesh, LitheIndex f, LitheIndex cell) {
   return mesh->face_cell[2 * f] == cell ? 1.0 : -1.0;

@@ -1,22 +1,15 @@
 /// What `lithe mesh` reports: counts, volumes, how closed and how slender elements are.
-#include "base/disjoint_sets.h"
 #include "mesh/mesh.h"
 #include "mesh/mesh_measure.h"
 
 #include <math.h>
 
-/// Number of sets of elements that hang together through inner faces.
 static LitheStatus count_components(LitheCtx *ctx, const LthMesh *m, LitheIndex *n) {
-  LitheIndex *parent = NULL;
-  LTH_NEW(ctx, parent, m->n_cells);
-  lth_sets_reset(parent, m->n_cells);
-  *n = m->n_cells;
-  for (LitheIndex f = 0; f < m->n_faces; f++) {
-    if (m->face_cell[2 * f + 1] < 0) continue;
-    *n -= lth_sets_unite(parent, m->face_cell[2 * f], m->face_cell[2 * f + 1]);
-  }
-  lth_free(ctx, parent);
-  return LITHE_OK;
+  LitheIndex *part = NULL;
+  LTH_NEW(ctx, part, m->n_cells);
+  LitheStatus status = lth_mesh_parts(ctx, m, part, n);
+  lth_free(ctx, part);
+  return status;
 }
 
 static double aspect(const double box[6]) {

@@ -141,7 +141,7 @@ LitheStatus lth_body_build_space(LitheCtx *ctx, LthBody *body) {
   return status;
 }
 
-LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
+static LitheStatus build_conditions(LitheCtx *ctx, LthBody *body) {
   if (body->staggered) return lth_build_staggered(ctx, body);
   if (body->def->method_kind == LTH_METHOD_CG) {
     LITHE_TRY(lth_build_material(ctx, body));
@@ -159,6 +159,11 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
                        .weak = body->weak,
                        .n_weak = body->n_weak};
   return lth_dg_disc_create(ctx, &disc, &body->disc);
+}
+
+LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body) {
+  LITHE_TRY(build_conditions(ctx, body));
+  return lth_body_count_parts(ctx, body);
 }
 
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
@@ -186,6 +191,7 @@ static void free_patches(LitheCtx *ctx, LthBody *b) {
 }
 
 void lth_body_free_touch(LitheCtx *ctx, LthBody *b) {
+  lth_body_parts_destroy(ctx, &b->parts);
   lth_free(ctx, b->touch_point);
   b->touch_point = NULL;
   lth_embedding_destroy(ctx, &b->touch_embedding);

@@ -10,6 +10,14 @@
 typedef struct LthStaggeredBody LthStaggeredBody; // staggered_body.h
 typedef struct LthBodyChange LthBodyChange;       // change.h
 
+/// Parts of a body that do not hang together, with closed surfaces at rest.
+typedef struct LthBodyParts {
+  LitheIndex n;
+  LthSurface *surface;     ///< (n)
+  LitheIndex *first_point; ///< embedded point of each surface's first        (n + 1)
+  LthEmbedding *points;    ///< of all surfaces, one after the other
+} LthBodyParts;
+
 /// Built once, in the order of the fields; nothing turns back. Owned: all but `def` and `scene`. A staggered body has
 /// fractions in the place of a mesh, and neither mesh nor surface nor constants per cell.
 typedef struct LthBody {
@@ -51,7 +59,8 @@ typedef struct LthBody {
   LthPlaces **places; ///< of point forces, NULL for other loads          (def->n_loads)
 
   LthDgOperator *op;
-  LthDisc *disc; ///< what all the rest sees of space and operator
+  LitheIndex n_parts; ///< that do not hang together; staggered bodies count as one
+  LthDisc *disc;      ///< what all the rest sees of space and operator
 
   // what follows the body, and what it touches (build_embedding.c)
   LthSoup *own_soup;       ///< of the tessellated shape where no file gave one
@@ -64,6 +73,7 @@ typedef struct LthBody {
   LthSurface *touch;             ///< closed, at rest
   LthEmbedding *touch_embedding; ///< of its points where that is not `embedding`, or NULL
   LitheIndex *touch_point;       ///< embedded point of each of its points
+  LthBodyParts *parts; ///< by which they touch each other, where there are several, or NULL
 
   // among all bodies (world.c)
   LthSimulation *sim; ///< of all, borrowed
@@ -154,6 +164,9 @@ LitheStatus lth_build_grid_nodes(LitheCtx *ctx, const LthBody *body, const LthEm
                                  LthEmbedding **nodes);
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among several bodies
 void lth_body_free_touch(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_body_count_parts(LitheCtx *ctx, LthBody *body); ///< body->n_parts
+LitheStatus lth_build_parts(LitheCtx *ctx, LthBody *body); ///< body->parts, later, among bodies
+void lth_body_parts_destroy(LitheCtx *ctx, LthBodyParts **parts);
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);
 
 /// The embedded surface: the scene's file, the shape's file, the tessellated shape, or without a shape the

@@ -1,4 +1,4 @@
-/// What is between bodies: ties, and contact of every two.
+/// What is between bodies: ties, contact of every two, and of the parts of each.
 #include "scene/world.h"
 
 #include "base/tensor.h"
@@ -79,6 +79,25 @@ static LthPairSide pair_side(const LthBody *body) {
                        .body_weight = body->mass * lth_v3_norm(body->scene->gravity)};
 }
 
+static LthPartsSide parts_side(const LthBody *body) {
+  const LthBodyParts *parts = body->parts;
+  return (LthPartsSide){.name = body->def->name,
+                        .points = parts->points,
+                        .surface = parts->surface,
+                        .first_point = parts->first_point,
+                        .n_parts = parts->n,
+                        .modulus = lth_body_modulus(body),
+                        .cell_size = body->cell_size,
+                        .body_size = body->size,
+                        .body_weight = body->mass * lth_v3_norm(body->scene->gravity)};
+}
+
+/// What follows the points by which a body touches another: those of its parts, where one of the two has several.
+static const LthEmbedding *points_of(const LthWorld *world, const LthWorldPair *pair, int s) {
+  const LthBody *body = world->bodies[pair->body[s]];
+  return pair->by_parts ? body->parts->points : lth_body_touch_points(body);
+}
+
 /// Points of both bodies that a tie between them holds anyway.
 static LitheStatus mark_tied(LitheCtx *ctx, const LthWorld *world, LthWorldPair *pair) {
   for (LitheIndex i = 0; i < world->n_ties; i++) {
@@ -86,7 +105,7 @@ static LitheStatus mark_tied(LitheCtx *ctx, const LthWorld *world, LthWorldPair 
     for (int s = 0; s < 2; s++) {
       int side = tie->body[0] == pair->body[s] ? 0 : 1;
       if (tie->body[side] != pair->body[s] || tie->body[1 - side] != pair->body[1 - s]) continue;
-      const LthEmbedding *e = lth_body_touch_points(world->bodies[pair->body[s]]);
+      const LthEmbedding *e = points_of(world, pair, s);
       if (!pair->tied[s]) LTH_NEW(ctx, pair->tied[s], e->n_points);
       LITHE_TRY(lth_tie_mark(ctx, tie->tie, side, e->n_points, e->rest, pair->tied[s]));
     }
@@ -94,12 +113,31 @@ static LitheStatus mark_tied(LitheCtx *ctx, const LthWorld *world, LthWorldPair 
   return LITHE_OK;
 }
 
+/// Contact of the parts of one body (a = b), or of bodies of which one has several.
+static LitheStatus build_parts_pair(LitheCtx *ctx, LthWorld *world, LthWorldPair *pair) {
+  const LthScene *scene = world->scene;
+  LthPartsDef def = {.n_sides = pair->body[0] == pair->body[1] ? 1 : 2,
+                     .stiffness = scene->contact_stiffness,
+                     .friction = scene->contact_friction,
+                     .damping = scene->contact_damping};
+  for (int s = 0; s < def.n_sides; s++) {
+    def.side[s] = parts_side(world->bodies[pair->body[s]]);
+    def.side[s].excluded = pair->tied[s];
+  }
+  return lth_contact_create_parts(ctx, &def, &pair->contact);
+}
+
 static LitheStatus build_pair(LitheCtx *ctx, LthWorld *world, LitheIndex a, LitheIndex b) {
   const LthScene *scene = world->scene;
+  LthBody *bodies[2] = {world->bodies[a], world->bodies[b]};
   LthWorldPair *pair = &world->pairs[world->n_pairs++];
   pair->body[0] = a, pair->body[1] = b;
-  LITHE_TRY(mark_tied(ctx, world, pair));
-  LthPairDef def = {.side = {pair_side(world->bodies[a]), pair_side(world->bodies[b])},
+  pair->by_parts = bodies[0]->parts || bodies[1]->parts;
+  for (int s = 0; s < 2; s++)
+    LITHE_TRY(pair->by_parts ? lth_build_parts(ctx, bodies[s]) : lth_build_touch(ctx, bodies[s]));
+  if (a != b) LITHE_TRY(mark_tied(ctx, world, pair));
+  if (pair->by_parts) return build_parts_pair(ctx, world, pair);
+  LthPairDef def = {.side = {pair_side(bodies[0]), pair_side(bodies[1])},
                     .stiffness = scene->contact_stiffness,
                     .friction = scene->contact_friction,
                     .damping = scene->contact_damping};
@@ -109,17 +147,21 @@ static LitheStatus build_pair(LitheCtx *ctx, LthWorld *world, LitheIndex a, Lith
 
 LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
   LitheIndex n = world->n_bodies;
-  if (!world->scene->contact_bodies || n < 2) return LITHE_OK;
+  if (!world->scene->contact_bodies) return LITHE_OK;
   if (world->scene->dimension == 2) {
-    lth_warn(ctx,
-             "contact.bodies: bodies in the plane touch colliders, but pass through each other; "
-             "`false` says that this is meant");
+    if (n > 1)
+      lth_warn(ctx, "contact.bodies: bodies in the plane touch colliders, but pass through each "
+                    "other; `false` says that this is meant");
     return LITHE_OK;
   }
-  LTH_NEW(ctx, world->pairs, (LitheCount)n * (n - 1) / 2);
-  for (LitheIndex b = 0; b < n; b++) LITHE_TRY(lth_build_touch(ctx, world->bodies[b]));
+  for (LitheIndex b = 0; b < n; b++) {
+    LITHE_TRY(lth_body_count_parts(ctx, world->bodies[b]));
+    if (world->bodies[b]->n_parts > 1) LITHE_TRY(lth_build_parts(ctx, world->bodies[b]));
+  }
+  LTH_NEW(ctx, world->pairs, (LitheCount)n * (n + 1) / 2);
   for (LitheIndex a = 0; a < n; a++)
-    for (LitheIndex b = a + 1; b < n; b++) LITHE_TRY(build_pair(ctx, world, a, b));
+    for (LitheIndex b = a; b < n; b++)
+      if (a != b || (world->bodies[a]->n_parts > 1)) LITHE_TRY(build_pair(ctx, world, a, b));
   return LITHE_OK;
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 void lth_renewal_free(LitheCtx *ctx, LthRenewal *r) {
+  lth_body_parts_destroy(ctx, &r->parts);
   lth_free(ctx, r->touch_point);
   lth_embedding_destroy(ctx, &r->touch_embedding);
   lth_surface_destroy(ctx, &r->touch);
@@ -186,6 +187,8 @@ static void take_touch(LthBody *body, LthRenewal *r) {
   r->touch = body->touch;
   r->touch_embedding = body->touch_embedding;
   r->touch_point = body->touch_point;
+  r->parts = body->parts;
+  body->parts = NULL;
   body->touch = NULL;
   body->touch_embedding = NULL;
   body->touch_point = NULL;

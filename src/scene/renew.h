@@ -18,6 +18,7 @@ typedef struct LthRenewal {
   LthSurface *touch;
   LthEmbedding *touch_embedding;
   LitheIndex *touch_point;
+  LthBodyParts *parts;
 } LthRenewal;
 
 static inline const LthMesh *lth_renewal_atoms(const LthRenewal *r, const LthBody *body) {

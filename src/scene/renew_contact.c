@@ -105,6 +105,8 @@ static LitheStatus carry_pair(LitheCtx *ctx, const LthWorld *world, const LthRen
                               const LthWorldPair *old, const LthWorldPair *pair) {
   const LthEmbedding *from[2], *to[2];
   bool same = true;
+  if (old->by_parts != pair->by_parts) return LITHE_OK; // has become several parts: starts anew
+  if (pair->by_parts) return lth_contact_inherit_parts(ctx, pair->contact, old->contact);
   for (int s = 0; s < 2; s++) {
     LitheIndex b = pair->body[s];
     from[s] = old_points(world, renewals, b);

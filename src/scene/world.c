@@ -9,10 +9,12 @@
 #include <math.h>
 #include <stdio.h>
 
-/// True where another body is so near that contact with it may hold this one.
+/// True where another part, or another body, is so near that contact with it may hold this one.
 static bool leans(const LthWorld *world, LitheIndex body) {
   const LthBody *a = world->bodies[body];
-  for (LitheIndex b = 0; world->scene->contact_bodies && b < world->n_bodies; b++) {
+  if (!world->scene->contact_bodies) return false;
+  if (a->n_parts > 1) return true;
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
     const LthBody *other = world->bodies[b];
     double gap = 0;
     for (int i = 0; i < 3; i++)

@@ -11,9 +11,10 @@ typedef struct LthWorldTie {
   LthTie *tie;
 } LthWorldTie;
 
-/// Two bodies that may touch.
+/// Two bodies that may touch, or the parts of one.
 typedef struct LthWorldPair {
   LitheIndex body[2];
+  bool by_parts;    ///< one of them has several
   uint8_t *tied[2]; ///< points that a tie holds, or NULL
   LthContact *contact;
 } LthWorldPair;
@@ -67,7 +68,7 @@ typedef struct LthWorld {
 LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times, LthWorld **world);
 void lth_world_destroy(LitheCtx *ctx, LthWorld **world);
 
-/// What is between bodies that are built (build_pair.c): ties first, then contact of every two.
+/// What is between bodies that are built (build_pair.c): ties first, then contact of every two and of the parts of each.
 LitheStatus lth_world_build_system(LitheCtx *ctx, LthWorld *world); ///< and what static runs need
 LitheStatus lth_world_create_simulation(LitheCtx *ctx,
                                         LthWorld *world); ///< bodies take their places

@@ -25,6 +25,26 @@ time: {kind: dynamic, duration: 0.6, step: 1/120}
 output: {every: last}
 """
 
+# the same two as parts of one body, not so near, and a third one on top
+PARTS = """lithe: 1
+bodies:
+  - name: both
+    shape: {union: [{box: {min: [-0.1, 0.0005, -0.1], max: [0.1, 0.1, 0.1]}}, {box: {min: [-0.08, 0.12, -0.07], max: [0.09, 0.2, 0.08]}}], resolution: 0.03}
+    material: &soft {model: corotated, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000, damping: {stiffness: 5e-3}}
+    method: {kind: dg, cells: 4, degree: 1}
+  - name: top
+    shape: {box: {min: [-0.05, 0.201, -0.05], max: [0.06, 0.26, 0.05]}}
+    material: *soft
+    method: {kind: cg, mesh: hexahedra, cells: [2, 1, 2]}
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0, 1, 0]}
+contact: {friction: 0.3}
+probes: [{name: upper, point: [0, 0.16, 0]}]
+time: {kind: dynamic, duration: 0.35, step: 1/120}
+output: {every: last}
+"""
+
 # a soft ball that flies at a hard cube, free in space
 IMPACT = """lithe: 1
 bodies:
@@ -226,6 +246,17 @@ with folder() as d:
     apart = solve(d, "apart", STACK, "--set", "contact.bodies=false", "--set", "time.duration=0.3")
     expect("bodies_pass_through_each_other_where_asked", "pairs" not in apart["contact"] and
            apart["bodies"][1]["displacement"]["max"] > 0.05, apart)
+
+    parts = solve(d, "parts", PARTS)
+    pair = {tuple(p["bodies"]): p["force"] for p in parts["contact"]["pairs"]}
+    top = parts["bodies"][1]["mass"] * 9.81
+    # the upper part is a box of 0.17 x 0.08 x 0.15 m with edges cut off
+    expect("parts_of_a_body_rest_on_each_other", set(pair) == {("both", "both"), ("both", "top")} and
+           0.93 < (pair[("both", "both")] - top) / (0.00204 * 9810) < 1.01 and near(pair[("both", "top")], top, 0.02), pair)
+    expect("and_end_where_they_fell", abs(parts["probes"]["upper"]["displacement"][1] + 0.022) < 0.002, parts["probes"])
+    through = solve(d, "through", PARTS, "--set", "contact.bodies=false", "--set", "time.duration=0.1")
+    expect("and_pass_through_each_other_where_asked", "pairs" not in through["contact"] and
+           through["probes"]["upper"]["displacement"][1] < -0.04, through["probes"])
 
     pressed = solve(d, "pressed", PRESSED)
     below, above = (pressed["reaction"]["bodies.%d.constraints.0" % b][1] for b in (0, 1))

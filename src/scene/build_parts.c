@@ -1,0 +1,288 @@
+/// The connected parts of a body and the closed surfaces by which they touch each other: boundary faces of the mesh, those
+/// of cuts among them, each on its own part.
+#include "scene/body.h"
+
+#include "base/disjoint_sets.h"
+#include "geometry/polygon.h"
+#include "io/face_polygon.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define EDGE_CELLS 1.0 ///< longest edge of a triangle, in cells
+
+/// Cells of a continuous discretisation hang together by the functions that they share.
+static LitheStatus unite_by_functions(LitheCtx *ctx, const LthBody *body, LitheIndex *part,
+                                      LitheIndex *n) {
+  const LthDisc *disc = body->disc;
+  LitheIndex *parent = NULL, *first = NULL;
+  LitheStatus status = LITHE_OK;
+  LTH_NEW_OR(done, ctx, parent, disc->n_cells);
+  LTH_NEW_OR(done, ctx, first, disc->n_funcs);
+  lth_sets_reset(parent, disc->n_cells);
+  for (LitheIndex c = 0; c < disc->n_cells; c++) {
+    LitheIndex func[LTH_DISC_MAX_FUNCS];
+    double phi[3 * LTH_DISC_MAX_FUNCS];
+    int count = disc->table->eval(disc, c, body->mesh->cell_centroid + 3 * (size_t)c, func, phi);
+    for (int k = 0; k < count; k++) {
+      if (first[func[k]] > 0) lth_sets_unite(parent, first[func[k]] - 1, c);
+      first[func[k]] = c + 1;
+    }
+  }
+  *n = 0;
+  for (LitheIndex c = 0; c < disc->n_cells; c++) {
+    LitheIndex root = lth_sets_root(parent, c);
+    part[c] = root == c ? (*n)++ : part[root];
+  }
+done:
+  lth_free(ctx, parent);
+  lth_free(ctx, first);
+  return status;
+}
+
+/// Number of connected parts, and that of each cell of the mesh (n_cells).
+static LitheStatus find_parts(LitheCtx *ctx, const LthBody *body, LitheIndex *part, LitheIndex *n) {
+  return body->space ? lth_mesh_parts(ctx, body->mesh, part, n)
+                     : unite_by_functions(ctx, body, part, n);
+}
+
+LitheStatus lth_body_count_parts(LitheCtx *ctx, LthBody *body) {
+  LitheIndex *part = NULL;
+  body->n_parts = 1;
+  if (!body->mesh) return LITHE_OK;
+  LTH_NEW(ctx, part, body->mesh->n_cells);
+  LitheStatus status = find_parts(ctx, body, part, &body->n_parts);
+  lth_free(ctx, part);
+  return status;
+}
+
+/// A part's surface in the making.
+typedef struct Making {
+  LitheCtx *ctx;
+  const LthBody *body;
+  LitheIndex *part;            ///< of each cell                             (n_cells)
+  LitheIndex *face_off, *face; ///< boundary faces of each part              (n + 1)
+  LitheIndex *place, *placed; ///< of each mesh point on it, plus one (n_points); and which have one
+  LthPolygonList polygons;    ///< of the face at hand
+  LthPolygonWork work;
+  LitheIndex *tris, *tri_face; ///< corners; face of the mesh that each is of
+  double *points;
+  LitheIndex n_tris, n_points;
+  LitheCount placed_cap, tris_cap, tri_face_cap, points_cap;
+} Making;
+
+static void free_making(Making *m) {
+  void *blocks[] = {m->part,   m->face_off, m->face,     m->place,
+                    m->placed, m->tris,     m->tri_face, m->points};
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(m->ctx, blocks[i]);
+  lth_polygon_list_free(m->ctx, &m->polygons);
+  lth_polygon_work_free(m->ctx, &m->work);
+}
+
+static LitheStatus list_faces(Making *m, LitheIndex n_parts) {
+  const LthMesh *mesh = m->body->mesh;
+  LTH_NEW(m->ctx, m->place, mesh->n_points);
+  LTH_NEW(m->ctx, m->face_off, (LitheCount)n_parts + 2);
+  for (LitheIndex f = 0; f < mesh->n_faces; f++)
+    if (mesh->face_cell[2 * f + 1] < 0) m->face_off[m->part[mesh->face_cell[2 * f]] + 2]++;
+  for (LitheIndex k = 0; k < n_parts; k++) m->face_off[k + 2] += m->face_off[k + 1];
+  LTH_NEW(m->ctx, m->face, m->face_off[n_parts + 1]);
+  for (LitheIndex f = 0; f < mesh->n_faces; f++)
+    if (mesh->face_cell[2 * f + 1] < 0)
+      m->face[m->face_off[m->part[mesh->face_cell[2 * f]] + 1]++] = f;
+  return LITHE_OK;
+}
+
+/// Number of a mesh point on the part at hand.
+static LitheStatus place_point(Making *m, LitheIndex p, LitheIndex *number) {
+  if (m->place[p] == 0) {
+    LTH_RESERVE(m->ctx, m->points, m->points_cap, 3 * ((LitheCount)m->n_points + 1));
+    LTH_RESERVE(m->ctx, m->placed, m->placed_cap, (LitheCount)m->n_points + 1);
+    memcpy(m->points + 3 * (size_t)m->n_points, m->body->mesh->points + 3 * (size_t)p,
+           3 * sizeof *m->points);
+    m->placed[m->n_points] = p;
+    m->place[p] = ++m->n_points;
+  }
+  *number = m->place[p] - 1;
+  return LITHE_OK;
+}
+
+static LitheStatus add_polygon(Making *m, LitheIndex face, LitheIndex n, const LitheIndex *corner) {
+  if (n < 3) return LITHE_OK;
+  LTH_RESERVE(m->ctx, m->tris, m->tris_cap, 3 * ((LitheCount)m->n_tris + n));
+  LTH_RESERVE(m->ctx, m->tri_face, m->tri_face_cap, (LitheCount)m->n_tris + n);
+  LitheIndex *first = m->tris + 3 * (size_t)m->n_tris;
+  LITHE_TRY(lth_polygon_triangulate(m->ctx, &m->work, m->body->mesh->points, n, corner, first));
+  for (LitheIndex k = 0; k < 3 * (n - 2); k++) LITHE_TRY(place_point(m, first[k], &first[k]));
+  for (LitheIndex k = 0; k < n - 2; k++) m->tri_face[m->n_tris++] = face;
+  return LITHE_OK;
+}
+
+static LitheStatus add_face(Making *m, LitheIndex face) {
+  LthFaceView view = lth_mesh_face(m->body->mesh, face);
+  m->polygons.n = 0, m->polygons.n_polygons = 0;
+  LITHE_TRY(lth_face_polygons(m->ctx, &view, &m->polygons));
+  const LitheIndex *polygon = m->polygons.items;
+  for (LitheIndex i = 0; i < m->polygons.n_polygons; i++, polygon += 1 + polygon[0])
+    LITHE_TRY(add_polygon(m, face, polygon[0], polygon + 1));
+  return LITHE_OK;
+}
+
+/// The surface of a part in triangles no larger than its cells; tri_poly is the face of the mesh.
+static LitheStatus make_surface(Making *m, LitheIndex part, LthSurface *surface) {
+  LitheIndex *shell = NULL;
+  LthSurface *fine = NULL;
+  m->n_tris = m->n_points = 0;
+  for (LitheIndex i = m->face_off[part]; i < m->face_off[part + 1]; i++)
+    LITHE_TRY(add_face(m, m->face[i]));
+  for (LitheIndex i = 0; i < m->n_points; i++) m->place[m->placed[i]] = 0;
+  LTH_NEW(m->ctx, shell, m->n_tris);
+  LthSurface coarse = {.n_points = m->n_points,
+                       .n_tris = m->n_tris,
+                       .n_shells = 1,
+                       .points = m->points,
+                       .tris = m->tris,
+                       .tri_shell = shell,
+                       .tri_poly = m->tri_face};
+  LitheStatus status = lth_surface_refine(m->ctx, &coarse, EDGE_CELLS * m->body->cell_size, &fine);
+  lth_free(m->ctx, shell);
+  LITHE_TRY(status);
+  *surface = *fine;
+  lth_free(m->ctx, fine);
+  return LITHE_OK;
+}
+
+/// A point of the parts' surfaces and a cell that it bounds.
+typedef struct Bound {
+  LitheIndex point, cell;
+} Bound;
+
+static int compare_bounds(const void *a, const void *b) {
+  const Bound *p = a, *q = b;
+  if (p->point != q->point) return p->point < q->point ? -1 : 1;
+  return (p->cell > q->cell) - (p->cell < q->cell);
+}
+
+/// Points of all surfaces, and the cells that each of them bounds.
+typedef struct Points {
+  double *at;
+  LitheIndex *cell_off, *cells, *first_cell;
+} Points;
+
+static LitheStatus list_bounds(LitheCtx *ctx, const LthBody *body, const LthBodyParts *parts,
+                               Bound **bounds, LitheCount *n) {
+  *n = 0;
+  for (LitheIndex k = 0; k < parts->n; k++) *n += 3 * (LitheCount)parts->surface[k].n_tris;
+  LTH_NEW(ctx, *bounds, *n);
+  *n = 0;
+  for (LitheIndex k = 0; k < parts->n; k++) {
+    const LthSurface *s = &parts->surface[k];
+    for (LitheIndex h = 0; h < 3 * s->n_tris; h++)
+      (*bounds)[(*n)++] = (Bound){parts->first_point[k] + s->tris[h],
+                                  body->mesh->face_cell[2 * s->tri_poly[h / 3]]};
+  }
+  qsort(*bounds, (size_t)*n, sizeof **bounds, compare_bounds);
+  return LITHE_OK;
+}
+
+static LitheStatus gather_points(LitheCtx *ctx, const LthBody *body, const LthBodyParts *parts,
+                                 Points *points) {
+  LitheStatus status = LITHE_OK;
+  const LitheIndex n = parts->first_point[parts->n];
+  Bound *bounds = NULL;
+  LitheCount n_bounds = 0;
+  LitheIndex at = 0;
+  LTH_NEW_OR(done, ctx, points->at, 3 * (LitheCount)n);
+  LTH_NEW_OR(done, ctx, points->cell_off, (LitheCount)n + 1);
+  LTH_NEW_OR(done, ctx, points->first_cell, n);
+  for (LitheIndex k = 0; k < parts->n; k++)
+    memcpy(points->at + 3 * (size_t)parts->first_point[k], parts->surface[k].points,
+           sizeof *points->at * 3 * (size_t)parts->surface[k].n_points);
+  LITHE_TRY_OR(done, list_bounds(ctx, body, parts, &bounds, &n_bounds));
+  LTH_NEW_OR(done, ctx, points->cells, n_bounds);
+  for (LitheCount i = 0; i < n_bounds; i++) {
+    if (i > 0 && compare_bounds(&bounds[i - 1], &bounds[i]) == 0) continue;
+    points->cells[at++] = bounds[i].cell;
+    points->cell_off[bounds[i].point + 1] = at;
+  }
+  for (LitheIndex p = 0; p < n; p++) points->first_cell[p] = points->cells[points->cell_off[p]];
+done:
+  lth_free(ctx, bounds);
+  return status;
+}
+
+/// Points follow the elements that they bound, of their own part alone.
+static LitheStatus embed(LitheCtx *ctx, const LthBody *body, LthBodyParts *parts) {
+  LitheStatus status = LITHE_OK;
+  Points points = {0};
+  const LitheIndex n = parts->first_point[parts->n];
+  LITHE_TRY_OR(done, gather_points(ctx, body, parts, &points));
+  status = body->space ? lth_embedding_create_average(ctx, body->disc, body->space, n, points.at,
+                                                      points.cell_off, points.cells, &parts->points)
+                       : lth_embedding_create_direct(ctx, body->disc, n, points.at,
+                                                     points.first_cell, &parts->points);
+done:
+  lth_free(ctx, points.at);
+  lth_free(ctx, points.cell_off);
+  lth_free(ctx, points.cells);
+  lth_free(ctx, points.first_cell);
+  return status;
+}
+
+static LitheStatus make_parts(Making *m, LthBodyParts *parts) {
+  LTH_NEW(m->ctx, m->part, m->body->mesh->n_cells);
+  LITHE_TRY(find_parts(m->ctx, m->body, m->part, &parts->n));
+  LITHE_TRY(list_faces(m, parts->n));
+  LTH_NEW(m->ctx, parts->surface, parts->n);
+  LTH_NEW(m->ctx, parts->first_point, (LitheCount)parts->n + 1);
+  for (LitheIndex k = 0; k < parts->n; k++) {
+    LITHE_TRY(make_surface(m, k, &parts->surface[k]));
+    parts->first_point[k + 1] = parts->first_point[k] + parts->surface[k].n_points;
+  }
+  return embed(m->ctx, m->body, parts);
+}
+
+/// A body without a mesh is one part with the surface that others touch.
+static LitheStatus take_surface(LitheCtx *ctx, LthBody *body, LthBodyParts *parts) {
+  LthSurface *fine = NULL;
+  LitheIndex *cells = NULL;
+  if (!body->touch) LITHE_TRY(lth_build_touch(ctx, body));
+  LTH_NEW(ctx, parts->surface, 1);
+  LTH_NEW(ctx, parts->first_point, 2);
+  LITHE_TRY(lth_surface_refine(ctx, body->touch, EDGE_CELLS * body->cell_size, &fine));
+  parts->n = 1;
+  parts->surface[0] = *fine;
+  lth_free(ctx, fine);
+  const LthSurface *s = &parts->surface[0];
+  parts->first_point[1] = s->n_points;
+  LTH_NEW(ctx, cells, s->n_points);
+  for (LitheIndex i = 0; i < s->n_points; i++) cells[i] = -1;
+  LitheStatus status = lth_build_points(ctx, body, s->n_points, s->points, cells, &parts->points);
+  lth_free(ctx, cells);
+  return status;
+}
+
+LitheStatus lth_build_parts(LitheCtx *ctx, LthBody *body) {
+  Making making = {.ctx = ctx, .body = body};
+  if (body->parts) return LITHE_OK;
+  LTH_NEW(ctx, body->parts, 1);
+  if (!body->mesh) return take_surface(ctx, body, body->parts);
+  LitheStatus status = make_parts(&making, body->parts);
+  free_making(&making);
+  return status;
+}
+
+void lth_body_parts_destroy(LitheCtx *ctx, LthBodyParts **parts) {
+  LthBodyParts *p = *parts;
+  if (!p) return;
+  for (LitheIndex k = 0; p->surface && k < p->n; k++) {
+    LthSurface *s = &p->surface[k];
+    void *blocks[] = {s->points, s->tris, s->tri_shell, s->tri_poly, s->soup_point};
+    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
+  }
+  lth_free(ctx, p->surface);
+  lth_free(ctx, p->first_point);
+  lth_embedding_destroy(ctx, &p->points);
+  lth_free(ctx, p);
+  *parts = NULL;
+}
