@@ -148,11 +148,16 @@ static int compare(const LthTouch *a, const LthTouch *b) {
   return (a->point > b->point) - (a->point < b->point);
 }
 
-void lth_touch_remember(LthContact *c, LthTouch *touch, double v[3]) {
+const LthTouch *lth_touch_before(LthContact *c, const LthTouch *touch) {
   while (c->before_at < c->n_before && compare(&c->before[c->before_at], touch) < 0) c->before_at++;
-  if (c->before_at == c->n_before) return;
+  if (c->before_at == c->n_before) return NULL;
   const LthTouch *old = &c->before[c->before_at];
-  if (compare(old, touch) != 0) return;
+  return compare(old, touch) == 0 ? old : NULL;
+}
+
+void lth_touch_remember(LthContact *c, LthTouch *touch, double v[3]) {
+  const LthTouch *old = lth_touch_before(c, touch);
+  if (!old) return;
   touch->anchored = old->active || (c->look > LTH_LOOK_FIRST && old->anchored);
   if (!touch->anchored) return;
   if (c->look == LTH_LOOK_STEP) {

@@ -145,7 +145,8 @@ static void find_hits(const LthContact *c, int s) {
     if (mine->def.excluded && mine->def.excluded[p]) continue;
     double way = lth_v3_distance(mine->velocity + 3 * (size_t)p, other->mean) + other->spread;
     double reach = REACH_STEPS * c->dt * way + REACH_CELLS * c->cell_size;
-    LthSeeker seeker = {.bvh = other->bvh, .facing = FACING};
+    LthSeeker seeker = {
+        .bvh = other->bvh, .facing = FACING, .way_out = lth_box_thickness(other->bvh->box)};
     own_normal(mine, p, seeker.normal);
     const double *x = c->side[s].position + 3 * (size_t)p;
     lth_seek(&seeker, x, reach, pair->depth, &mine->hit[p]);

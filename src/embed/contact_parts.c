@@ -11,8 +11,12 @@
   (-0.05) ///< largest cosine between the normals of what touches: walls beside a right angle do not
 #define FAST 0.5   ///< of the thinner part in a step: faster ones may pass through each other
 #define INSIDE 0.1 ///< of a triangle: from its corners to where it touches
-#define LARGE 0.4  ///< of a cell: longest edge of a triangle that touches by its middle
-#define SERIAL 256 ///< up to so many triangles waking threads costs more than it saves
+#define SOFT                                                                                       \
+  0.3 ///< of the stiffness of other contacts: less work, and still a third of what a layer of cells gives way by
+#define LARGE 0.4   ///< of a cell: longest edge of a triangle that touches by its middle
+#define MARGIN 0.01 ///< of a cell: depth of points that were not inside in the last step ...
+#define WAYS 1.5    ///< ... besides what they went in it
+#define SERIAL 256  ///< up to so many triangles waking threads costs more than it saves
 
 static void parts_destroy(LitheCtx *ctx, LthContact *c) {
   LthParts *parts = c->self;
@@ -135,7 +139,7 @@ static void seek_triangle(const LthContact *c, const LthPart *mine, const LthPar
                           LitheIndex tri, double reach, LthHit *hit) {
   const LthParts *parts = c->self;
   const double depth = depth_limit(c, mine, other, reach);
-  LthSeeker seeker = {.bvh = other->bvh, .facing = FACING};
+  LthSeeker seeker = {.bvh = other->bvh, .facing = FACING, .way_out = depth};
   lth_v3_copy(mine->bvh->tri_normal + 3 * (size_t)tri, seeker.normal);
   for (LitheIndex i = mine->tri_spot[tri]; i < mine->tri_spot[tri + 1]; i++, hit++) {
     double w[3], x[3] = {0, 0, 0};
@@ -160,6 +164,17 @@ static void set_legs(const LthPart *mine, const LthPart *other, const LthSpot *s
   for (int k = 3; k < touch->n_legs; k++) touch->leg[k].point += other->first_point;
 }
 
+/// A point comes in by the way that it went in the last step, and no farther: what seems to be deeper is next to a sheet
+/// or a fin too thin to have two sides.
+static bool is_too_deep(LthContact *c, const LthTouch *touch, const LthHit *hit,
+                        const double v[3]) {
+  if (c->look != LTH_LOOK_STEP || !(hit->gap < 0)) return false;
+  const LthTouch *old = lth_touch_before(c, touch);
+  double limit = MARGIN * c->cell_size + WAYS * c->dt * lth_v3_norm(v);
+  if (old && old->active) limit += fmax(-old->gap_end, 0);
+  return -hit->gap > limit;
+}
+
 /// Turn the hits of the listed triangles into touches.
 static LitheStatus collect(LitheCtx *ctx, LthContact *c, const LthNearParts *near, double reach) {
   const LthParts *parts = c->self;
@@ -173,6 +188,7 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, const LthNearParts *nea
       LthTouch touch = {.side = mine->side, .other = near->other, .point = i};
       set_legs(mine, other, &parts->spot[mine->side][i], hit, &touch);
       lth_touch_value(c, &touch, v);
+      if (is_too_deep(c, &touch, hit, v)) continue;
       touch.stiffness = c->stiffness * parts->share[mine->side][i];
       lth_touch_meet(c, &other->surface, hit, v, &touch);
       LITHE_TRY(lth_touch_add(ctx, c, &touch));
@@ -230,8 +246,8 @@ static const LthContactKind parts_kind = {.begin = parts_begin,
 static double parts_stiffness(const LthPartsDef *def) {
   const LthPartsSide *a = &def->side[0], *b = &def->side[def->n_sides - 1];
   return lth_contact_pair_stiffness(
-      fmin(lth_contact_auto_stiffness(a->modulus, a->cell_size, 0, a->body_size),
-           lth_contact_auto_stiffness(b->modulus, b->cell_size, 0, b->body_size)),
+      SOFT * fmin(lth_contact_auto_stiffness(a->modulus, a->cell_size, 0, a->body_size),
+                  lth_contact_auto_stiffness(b->modulus, b->cell_size, 0, b->body_size)),
       a->cell_size, fmin(a->body_weight, b->body_weight), fmin(a->body_size, b->body_size));
 }
 

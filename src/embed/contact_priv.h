@@ -92,7 +92,8 @@ typedef struct LthHold {
 typedef struct LthSeeker {
   const LthBvh *bvh; ///< of the other's surface
   double normal[3];
-  double facing; ///< largest cosine between the normals of what touches
+  double facing;  ///< largest cosine between the normals of what touches
+  double way_out; ///< farthest face that a point inside is led back to [m]
 } LthSeeker;
 
 struct LthContact {
@@ -143,6 +144,9 @@ void lth_touch_place(const LthContact *c, const LthTouch *touch, double x[3]);
 
 /// Append a touching point of a side.
 LitheStatus lth_touch_add(LitheCtx *ctx, LthContact *c, const LthTouch *touch);
+
+/// The same point in the last step, or NULL. Points come in the order of the list.
+const LthTouch *lth_touch_before(LthContact *c, const LthTouch *touch);
 
 /// Take over what a point of the last step knows, and let its velocity v go on changing as it did. Points come in
 /// the order of the list.

@@ -24,7 +24,7 @@ void lth_seek(const LthSeeker *seeker, const double x[3], double reach, double d
   if (hit->gap > reach) return;
   if (!(lth_v3_dot(hit->normal, seeker->normal) < seeker->facing)) {
     if (hit->gap > 0 ||
-        !lth_bvh_closest(bvh, x, lth_box_thickness(bvh->box), lth_seeker_faces, seeker, &closest))
+        !lth_bvh_closest(bvh, x, seeker->way_out, lth_seeker_faces, seeker, &closest))
       return;
     hit->gap = -closest.distance;
     lth_v3_sub(closest.point, x, hit->normal);

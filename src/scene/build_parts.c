@@ -3,13 +3,17 @@
 #include "scene/body.h"
 
 #include "base/disjoint_sets.h"
+#include "base/tensor.h"
 #include "geometry/polygon.h"
-#include "io/face_polygon.h"
+#include "geometry/face_polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define EDGE_CELLS 1.0 ///< longest edge of a triangle, in cells
+#define EDGE_CELLS 1.0   ///< longest edge of a triangle, in cells
+#define THIN_CELLS 0.002 ///< least volume over area, in cells: thinner crumbs touch nothing
+#define SHORT_CELLS                                                                                \
+  0.05 ///< edges below are contracted: jumps between elements would turn such triangles over
 
 /// Cells of a continuous discretisation hang together by the functions that they share.
 static LitheStatus unite_by_functions(LitheCtx *ctx, const LthBody *body, LitheIndex *part,
@@ -62,6 +66,7 @@ typedef struct Making {
   const LthBody *body;
   LitheIndex *part;            ///< of each cell                             (n_cells)
   LitheIndex *face_off, *face; ///< boundary faces of each part              (n + 1)
+  LitheIndex *stands_for;      ///< mesh point that each one is contracted into (n_points)
   LitheIndex *place, *placed; ///< of each mesh point on it, plus one (n_points); and which have one
   LthPolygonList polygons;    ///< of the face at hand
   LthPolygonWork work;
@@ -72,7 +77,7 @@ typedef struct Making {
 } Making;
 
 static void free_making(Making *m) {
-  void *blocks[] = {m->part,   m->face_off, m->face,     m->place,
+  void *blocks[] = {m->part,   m->face_off, m->face,     m->place, m->stands_for,
                     m->placed, m->tris,     m->tri_face, m->points};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(m->ctx, blocks[i]);
   lth_polygon_list_free(m->ctx, &m->polygons);
@@ -91,6 +96,69 @@ static LitheStatus list_faces(Making *m, LitheIndex n_parts) {
     if (mesh->face_cell[2 * f + 1] < 0)
       m->face[m->face_off[m->part[mesh->face_cell[2 * f]] + 1]++] = f;
   return LITHE_OK;
+}
+
+/// A short edge of a boundary face.
+typedef struct Short {
+  LitheIndex from, to;
+} Short;
+
+static int compare_shorts(const void *a, const void *b) {
+  const Short *p = a, *q = b;
+  if (p->from != q->from) return p->from < q->from ? -1 : 1;
+  return (p->to > q->to) - (p->to < q->to);
+}
+
+static double distance(const LthMesh *mesh, LitheIndex p, LitheIndex q) {
+  return lth_v3_distance(mesh->points + 3 * (size_t)p, mesh->points + 3 * (size_t)q);
+}
+
+/// All short edges of the boundary, both ways, sorted.
+static LitheStatus list_shorts(const Making *m, double shortest, Short **list, LitheCount *n) {
+  const LthMesh *mesh = m->body->mesh;
+  LitheCount cap = 0;
+  for (LitheIndex f = 0; f < mesh->n_faces; f++) {
+    if (mesh->face_cell[2 * f + 1] >= 0) continue;
+    for (LitheIndex l = mesh->face_loop_off[f]; l < mesh->face_loop_off[f + 1]; l++)
+      for (LitheIndex i = mesh->loop_off[l]; i < mesh->loop_off[l + 1]; i++) {
+        LitheIndex p = mesh->loop_point[i];
+        LitheIndex q = mesh->loop_point[i + 1 < mesh->loop_off[l + 1] ? i + 1 : mesh->loop_off[l]];
+        if (!(distance(mesh, p, q) < shortest)) continue;
+        LTH_RESERVE(m->ctx, *list, cap, *n + 2);
+        (*list)[(*n)++] = (Short){p, q};
+        (*list)[(*n)++] = (Short){q, p};
+      }
+  }
+  if (*n > 0) qsort(*list, (size_t)*n, sizeof **list, compare_shorts);
+  return LITHE_OK;
+}
+
+/// Contract short edges into one of their ends, for all parts at once: both sides of a cut stay face to face.
+static LitheStatus contract(Making *m) {
+  const LthMesh *mesh = m->body->mesh;
+  const double shortest = SHORT_CELLS * m->body->cell_size;
+  Short *list = NULL;
+  LitheCount n = 0;
+  LTH_NEW(m->ctx, m->stands_for, mesh->n_points);
+  LitheStatus status = list_shorts(m, shortest, &list, &n);
+  for (LitheIndex p = 0; p < mesh->n_points; p++) m->stands_for[p] = -1;
+  for (LitheCount i = 0, end; status == LITHE_OK && i < n; i = end) {
+    const LitheIndex p = list[i].from;
+    LitheIndex *own = &m->stands_for[p];
+    for (end = i; end < n && list[end].from == p;) end++;
+    for (LitheCount k = i; *own < 0 && k < end; k++) {
+      LitheIndex other = m->stands_for[list[k].to];
+      if (other >= 0 && distance(mesh, p, other) < shortest) *own = other;
+    }
+    if (*own >= 0) continue;
+    *own = p;
+    for (LitheCount k = i; k < end; k++)
+      if (m->stands_for[list[k].to] < 0) m->stands_for[list[k].to] = p;
+  }
+  for (LitheIndex p = 0; p < mesh->n_points; p++)
+    if (m->stands_for[p] < 0) m->stands_for[p] = p;
+  lth_free(m->ctx, list);
+  return status;
 }
 
 /// Number of a mesh point on the part at hand.
@@ -113,8 +181,13 @@ static LitheStatus add_polygon(Making *m, LitheIndex face, LitheIndex n, const L
   LTH_RESERVE(m->ctx, m->tri_face, m->tri_face_cap, (LitheCount)m->n_tris + n);
   LitheIndex *first = m->tris + 3 * (size_t)m->n_tris;
   LITHE_TRY(lth_polygon_triangulate(m->ctx, &m->work, m->body->mesh->points, n, corner, first));
-  for (LitheIndex k = 0; k < 3 * (n - 2); k++) LITHE_TRY(place_point(m, first[k], &first[k]));
-  for (LitheIndex k = 0; k < n - 2; k++) m->tri_face[m->n_tris++] = face;
+  for (LitheIndex k = 0; k < n - 2; k++) {
+    LitheIndex tri[3], *to = m->tris + 3 * (size_t)m->n_tris;
+    for (int i = 0; i < 3; i++) tri[i] = m->stands_for[first[3 * k + i]];
+    if (tri[0] == tri[1] || tri[1] == tri[2] || tri[2] == tri[0]) continue;
+    for (int i = 0; i < 3; i++) LITHE_TRY(place_point(m, tri[i], &to[i]));
+    m->tri_face[m->n_tris++] = face;
+  }
   return LITHE_OK;
 }
 
@@ -229,15 +302,31 @@ done:
   return status;
 }
 
+static void free_surface(LitheCtx *ctx, LthSurface *s) {
+  void *blocks[] = {s->points, s->tris, s->tri_shell, s->tri_poly, s->soup_point};
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
+  *s = (LthSurface){0};
+}
+
 static LitheStatus make_parts(Making *m, LthBodyParts *parts) {
   LTH_NEW(m->ctx, m->part, m->body->mesh->n_cells);
   LITHE_TRY(find_parts(m->ctx, m->body, m->part, &parts->n));
   LITHE_TRY(list_faces(m, parts->n));
+  LITHE_TRY(contract(m));
   LTH_NEW(m->ctx, parts->surface, parts->n);
   LTH_NEW(m->ctx, parts->first_point, (LitheCount)parts->n + 1);
-  for (LitheIndex k = 0; k < parts->n; k++) {
-    LITHE_TRY(make_surface(m, k, &parts->surface[k]));
-    parts->first_point[k + 1] = parts->first_point[k] + parts->surface[k].n_points;
+  const LitheIndex n = parts->n;
+  parts->n = 0; // crumbs have no sides to be touched on
+  for (LitheIndex k = 0; k < n; k++) {
+    LitheIndex *at = &parts->n;
+    LITHE_TRY(make_surface(m, k, &parts->surface[*at]));
+    const LthSurface *made = &parts->surface[*at];
+    if (lth_surface_volume(made) <= THIN_CELLS * m->body->cell_size * lth_surface_area(made)) {
+      free_surface(m->ctx, &parts->surface[*at]);
+      continue;
+    }
+    parts->first_point[*at + 1] = parts->first_point[*at] + parts->surface[*at].n_points;
+    ++*at;
   }
   return embed(m->ctx, m->body, parts);
 }
@@ -275,11 +364,7 @@ LitheStatus lth_build_parts(LitheCtx *ctx, LthBody *body) {
 void lth_body_parts_destroy(LitheCtx *ctx, LthBodyParts **parts) {
   LthBodyParts *p = *parts;
   if (!p) return;
-  for (LitheIndex k = 0; p->surface && k < p->n; k++) {
-    LthSurface *s = &p->surface[k];
-    void *blocks[] = {s->points, s->tris, s->tri_shell, s->tri_poly, s->soup_point};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
-  }
+  for (LitheIndex k = 0; p->surface && k < p->n; k++) free_surface(ctx, &p->surface[k]);
   lth_free(ctx, p->surface);
   lth_free(ctx, p->first_point);
   lth_embedding_destroy(ctx, &p->points);

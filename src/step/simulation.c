@@ -75,7 +75,8 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   s->has_contact = system->n_contacts > 0;
   if (lth_step_needs_no_matrix(system, options)) s->own = lth_system_solver(system);
   if (s->options.max_iterations <= 0)
-    s->options.max_iterations = (LitheIndex)(10 * sqrt((double)s->n)) + 1000;
+    s->options.max_iterations =
+        (LitheIndex)(10 * sqrt((double)s->n)) + (system->n_contacts > 0 ? 5000 : 1000);
   LITHE_TRY_OR(done, allocate_vectors(ctx, s));
   LITHE_TRY_OR(done, set_up_solvers(ctx, s));
   lth_system_rest(system, s->x_rest);

@@ -25,7 +25,7 @@ typedef struct LthStepOptions {
   LthIntegrator integrator;
   LthLinearChoice linear;
   double tolerance;          ///< of the linear solver, relative
-  LitheIndex max_iterations; ///< of PCG; 0: 10 sqrt(n) + 1000
+  LitheIndex max_iterations; ///< of PCG; 0: 10 sqrt(n) + 1000, with contact + 5000
   double newton_tolerance;   ///< relative residual of static equilibrium
   LitheIndex newton_iterations;
   double memory_limit; ///< bytes that `auto` may plan for; 0: three quarters of the machine's
