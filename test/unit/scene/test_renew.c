@@ -11,7 +11,7 @@
   "  - name: bar\n"                                                                                \
   "    shape: {sphere: {center: [0, 0.2, 0], radius: 0.1}}\n"                                      \
   "    material: {young_modulus: \"2e4*(1+x)\", poisson_ratio: 0.4, density: \"1000*(1+3*x)\"}\n"  \
-  "    method: {kind: dg, cells: 4, sliver: 0.001, degree: \"1.5+4*x\"}\n"                                      \
+  "    method: {kind: dg, cells: 4, sliver: 0.001, degree: \"1.5+4*x\"}\n"                         \
   "    initial: {velocity: [\"y\", \"-1+x*3\", \"x-y\"]}\n"                                        \
   "  - name: other\n"                                                                              \
   "    shape: {box: {min: [-0.1, 0.301, -0.1], max: [0.1, 0.35, 0.1]}}\n"                          \
@@ -132,6 +132,25 @@ static void nothing_moves_when_a_body_is_cut(void **state) {
   end(&run);
 }
 
+/// One split made two cells: bases are theirs, face tables those of their faces, matrices theirs and their neighbours'.
+static void check_integrated(const LthBody *body, const LthDgStoreCount *before) {
+  const LthMesh *mesh = body->mesh;
+  LthDgStoreCount now = lth_dg_store_count(body->change->store);
+  LitheIndex n_faces = 0, n_cells = 0, last = mesh->n_cells - 2; // births have the highest records
+  for (LitheIndex c = 0; c < mesh->n_cells; c++) {
+    bool is_beside = c >= last;
+    for (LitheIndex k = mesh->cell_face_off[c]; k < mesh->cell_face_off[c + 1]; k++) {
+      const LitheIndex *pair = mesh->face_cell + 2 * (LitheCount)mesh->cell_face[k];
+      is_beside |= pair[1] >= last;
+      n_faces += pair[0] == c && pair[1] >= last;
+    }
+    n_cells += is_beside;
+  }
+  assert_int_equal(now.bases - before->bases, 2);
+  assert_int_equal(now.faces - before->faces, n_faces);
+  assert_int_equal(now.matrices - before->matrices, n_cells);
+}
+
 static void kept_elements_keep_their_bits(void **state) {
   (void)state;
   Run run = begin_with(SCENE, 0, NULL);
@@ -155,7 +174,9 @@ static void kept_elements_keep_their_bits(void **state) {
   lth_v3_copy(t->cells[7].centroid, plane.point);
   CHECK_OK(run.ctx, lth_topology_split(run.ctx, t, 7, &plane, -1, &split));
   assert_int_equal(split.n, 2);
+  LthDgStoreCount count = lth_dg_store_count(body->change->store);
   CHECK_OK(run.ctx, lth_world_renew(run.ctx, run.world));
+  check_integrated(body, &count);
   assert_int_equal(body->mesh->n_cells, n + 1);
   for (LitheIndex c = 0; c < body->mesh->n_cells; c++) {
     LitheIndex record = body->change->cell_record[c];
