@@ -179,7 +179,7 @@ static LitheCount write_cell(LthDgLive *live, const Patch *p, LitheIndex c, doub
   LthDgLiveRows *m = &live->matrix;
   LitheIndex record = p->cell[c];
   LthDgLiveBlock *block = lth_dg_live_rows_find(m, record, record);
-  uint64_t made_of = lth_dg_store_digest(&p->records, p->op, c);
+  uint64_t made_of = live->store->cells[record].made_of; // of its matrix, and so of the block
   lth_dg_assemble_cell_load(p->op, c, t, m->load + 3 * (LitheCount)m->rows[record].func);
   if (!block->is_stale && block->made_of == made_of) return 0;
   lth_dg_assemble_diagonal(p->op, c, m->values + block->at);

@@ -14,7 +14,7 @@ typedef struct LthDgLiveBlock {
   bool is_stale; ///< has to be written
 } LthDgLiveBlock;
 
-/// A row of the matrix, first the diagonal block.
+/// A row of the matrix.
 typedef struct LthDgLiveRow {
   LitheCount first; ///< into blocks
   LitheIndex n, room;

@@ -23,7 +23,7 @@ LthDgLiveBlock *lth_dg_live_rows_find(const LthDgLiveRows *m, LitheIndex row, Li
   return NULL;
 }
 
-/// More room for the blocks of a row.
+/// More room for the blocks of a row; they stand in the order in which they came.
 static LitheStatus move_row(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row) {
   LthDgLiveRow *r = m->rows + row;
   LitheIndex room = r->room > 0 ? 2 * r->room : LEAST_ROOM;
@@ -87,8 +87,10 @@ LitheStatus lth_dg_live_rows_drop(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex ro
 }
 
 LitheStatus lth_dg_live_rows_grow(LitheCtx *ctx, LthDgLiveRows *m) {
-  LTH_RESERVE(ctx, m->values, m->values_cap, m->value_rooms.end);
-  LTH_RESERVE(ctx, m->load, m->load_cap, 3 * m->func_rooms.end);
+  LitheCount values = m->value_rooms.end, load = 3 * m->func_rooms.end;
+  // a quarter more than is asked for: the first changes move nothing
+  if (values > m->values_cap) LTH_RESERVE(ctx, m->values, m->values_cap, values + values / 4);
+  if (load > m->load_cap) LTH_RESERVE(ctx, m->load, m->load_cap, load + load / 4);
   return LITHE_OK;
 }
 

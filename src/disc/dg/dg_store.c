@@ -333,7 +333,8 @@ static uint64_t mix(uint64_t x) {
   return x ^ x >> 31;
 }
 
-uint64_t lth_dg_store_digest(const LthDgRecords *r, const LthDgOperator *op, LitheIndex cell) {
+/// What the matrix of an element is made of: basis, material, faces, holds.
+static uint64_t digest_cell(const LthDgRecords *r, const LthDgOperator *op, LitheIndex cell) {
   size_t nb = (size_t)lth_dg_funcs(op->space, cell);
   uint64_t sum = mix(entry_of(r, cell)->stamp);
   for (LitheIndex s = op->side_off[cell]; s < op->side_off[cell + 1]; s++)
@@ -367,7 +368,7 @@ LitheStatus lth_dg_store_lend_cells(LitheCtx *ctx, const LthDgRecords *r, LthDgO
     LitheCount nb = lth_dg_funcs(op->space, c);
     is_known[c] = r->is_rim && r->is_rim[c];
     if (is_known[c]) continue;
-    uint64_t made_of = lth_dg_store_digest(r, op, c);
+    uint64_t made_of = digest_cell(r, op, c);
     is_known[c] = entry->matrix.size > 0 && entry->made_of == made_of;
     if (!is_known[c]) LITHE_TRY(renew(ctx, r->store, 9 * nb * nb + 3 * nb, &entry->matrix));
     entry->made_of = made_of;

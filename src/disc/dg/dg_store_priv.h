@@ -96,9 +96,6 @@ LitheStatus lth_dg_store_lend_cells(LitheCtx *ctx, const LthDgRecords *records, 
 void lth_dg_store_keep_cells(const LthDgRecords *records, const LthDgOperator *op,
                              const uint8_t *is_known);
 
-/// Digest of the element, the faces and the holds of a cell: what its matrix is made of.
-uint64_t lth_dg_store_digest(const LthDgRecords *records, const LthDgOperator *op, LitheIndex cell);
-
 /// Digest of the own faces from f on to one neighbour: what the block of the pair is made of.
 uint64_t lth_dg_store_pair_digest(const LthDgRecords *records, const LthDgOperator *op,
                                   LitheIndex f);
