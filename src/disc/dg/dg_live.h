@@ -38,7 +38,8 @@ typedef struct LthDgLiveReport {
 } LthDgLiveReport;
 
 /// Follow what the topology's log says; lth_topology_forget() comes next. Untouched entries keep their bits and their
-/// places. Where it fails nothing but destroying is allowed. `report` may be NULL.
+/// places, and their loads are those of the time when they were written. Where it fails nothing but destroying is allowed.
+/// `report` may be NULL.
 LitheStatus lth_dg_live_follow(LitheCtx *ctx, LthDgLive *live, double t, LthDgLiveReport *report);
 
 /// Unknowns of an element: 3 (func + i) + a, with a number of its own for its life. Numbers between are free.

@@ -3,6 +3,7 @@
 #include "topology_ops.h"
 
 #include "disc/dg/dg_live.h"
+#include "disc/dg/dg_transfer.h"
 
 #include <time.h>
 
@@ -457,6 +458,89 @@ static void the_cost_of_a_cut_is_that_of_the_touched(void **state) {
   }
 }
 
+/// Conjugate gradients on the lent matrix from x on, under a load to the side; returns the iterations.
+static LitheIndex solve_live(Case *c, const Whole *w, double *x) {
+  const LthBlockMatrix *A = NULL;
+  LthBlockJacobi *M = NULL;
+  LthCg *cg = NULL;
+  double *b = lth_alloc(c->ctx, w->space->n_dofs, sizeof *b);
+  for (LitheIndex i = 0; i < w->mesh->n_cells; i++) {
+    const double *f = lth_dg_live_load(c->live) + 3 * lth_dg_live_func(c->live, w->cell[i]);
+    LitheIndex first = 3 * w->space->func_off[i];
+    for (int k = 0; k < 3 * lth_dg_funcs(w->space, i); k++) b[first + k] = f[k];
+    b[first] += 20 * w->mesh->cell_volume[i];
+  }
+  CHECK_OK(c->ctx, lth_dg_live_matrix(c->ctx, c->live, &A));
+  CHECK_OK(c->ctx, lth_block_jacobi_create(c->ctx, A, &M));
+  CHECK_OK(c->ctx, lth_block_jacobi_update(c->ctx, M, A, NULL));
+  CHECK_OK(c->ctx, lth_cg_create(c->ctx, A->n, &cg));
+  LthOperator K = lth_block_matrix_operator(A), P = lth_block_jacobi_operator(M);
+  LthSolveReport report = lth_cg_solve(cg, 1, &K, &P, b, x, 1e-6, 1000);
+  assert_true(report.converged);
+  lth_cg_destroy(c->ctx, &cg);
+  lth_block_jacobi_destroy(c->ctx, &M);
+  lth_free(c->ctx, b);
+  return report.iterations;
+}
+
+/// Old cells of the new ones after one split.
+static void transfer(Case *c, const Whole *from, const Whole *to, const double *x, double *y) {
+  LitheIndex *from_cell = lth_alloc(c->ctx, to->mesh->n_cells, sizeof *from_cell);
+  LitheIndex *to_cell = lth_alloc(c->ctx, to->mesh->n_cells, sizeof *to_cell);
+  for (LitheIndex i = 0; i < to->mesh->n_cells; i++) {
+    from_cell[i] = lth_topology_before(c->t, to->cell[i]); // records are numbers of the first mesh
+    to_cell[i] = i;
+  }
+  LthDgTransfer t = {from->space, to->space, to->mesh, from_cell, to_cell};
+  CHECK_OK(c->ctx, lth_dg_transfer(c->ctx, &t, x, y));
+  lth_free(c->ctx, from_cell);
+  lth_free(c->ctx, to_cell);
+}
+
+/// The pattern for solvers is made anew when, and only when, it changes; the solution of before is a good one to start from.
+static void solvers_go_on_from_the_solution_of_before(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthGrid g = {{0, 0, 0}, {3, 3, 8}, {3, 3, 8}};
+  LthMesh *mesh = NULL;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &g, &mesh));
+  Case c = begin(mesh, ctx, 1);
+  LthDgLiveDef def = live_def(&c, LTH_FLUX_IP);
+  const LthBlockMatrix *A = NULL, *B = NULL;
+  LthPlane plane = {{1.5, 1.5, 4.4}, {0.1, 0.3, 1}};
+  LthSplit split;
+  CHECK_OK(ctx, lth_dg_live_create(ctx, &def, 0, &c.live));
+  Whole before = build(&c, LTH_FLUX_IP, NULL, NULL);
+  double *x = lth_alloc(ctx, before.space->n_dofs, sizeof *x);
+  lth_dg_rest(before.space, x);
+  solve_live(&c, &before, x);
+  CHECK_OK(ctx, lth_dg_live_matrix(ctx, c.live, &A));
+  uint64_t revision = A->pattern_revision;
+  CHECK_OK(ctx, lth_dg_live_follow(ctx, c.live, 0.5, NULL)); // nothing has changed
+  CHECK_OK(ctx, lth_dg_live_matrix(ctx, c.live, &B));
+  assert_true(B->pattern_revision == revision);
+
+  CHECK_OK(ctx, lth_topology_split(ctx, c.t, 40, &plane, -1, &split));
+  assert_int_equal(split.n, 2);
+  CHECK_OK(ctx, lth_dg_live_follow(ctx, c.live, 0, NULL));
+  CHECK_OK(ctx, lth_dg_live_matrix(ctx, c.live, &B));
+  assert_true(B->pattern_revision != revision);
+  Whole after = build(&c, LTH_FLUX_IP, NULL, NULL);
+  double *cold = lth_alloc(ctx, after.space->n_dofs, sizeof *cold);
+  double *warm = lth_alloc(ctx, after.space->n_dofs, sizeof *warm);
+  lth_dg_rest(after.space, cold);
+  transfer(&c, &before, &after, x, warm);
+  LitheIndex n_cold = solve_live(&c, &after, cold), n_warm = solve_live(&c, &after, warm);
+  printf("%d iterations from rest, %d from the solution of before\n", n_cold, n_warm);
+  assert_true(n_warm < 2 * n_cold / 3);
+  free_whole(ctx, &before);
+  free_whole(ctx, &after);
+  lth_free(ctx, x);
+  lth_free(ctx, cold);
+  lth_free(ctx, warm);
+  end(&c);
+}
+
 int main(void) {
   const char *fixed = getenv("LITHE_TEST_SEED");
   seed = fixed ? strtoull(fixed, NULL, 10) : (uint64_t)time(NULL);
@@ -467,6 +551,7 @@ int main(void) {
       cmocka_unit_test(operators_share_what_a_change_leaves_alone),
       cmocka_unit_test(other_material_or_degree_is_integrated_anew),
       cmocka_unit_test(the_cost_of_a_cut_is_that_of_the_touched),
+      cmocka_unit_test(solvers_go_on_from_the_solution_of_before),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
