@@ -312,7 +312,7 @@ static void live_matrix_is_that_from_scratch_and_keeps_untouched_entries(void **
   (void)state;
   static const int solids[] = {0, 1, 2, 8};
   LitheIndex kept = 0;
-  for (int i = 0; i < 16; i++)
+  for (int i = 0; i < 12; i++)
     kept += run_case(solids[i % 4], i % 3, i % 5 == 4 ? LTH_FLUX_BZ : LTH_FLUX_IP, 12);
   printf("%d blocks kept\n", kept);
   assert_true(kept > 1000);
@@ -541,6 +541,52 @@ static void solvers_go_on_from_the_solution_of_before(void **state) {
   end(&c);
 }
 
+/// Memory that gives out after a number of allocations.
+static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
+  int *left = user;
+  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+static void plain_release(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
+/// A body is made and follows a split, with so many allocations; true where they were enough.
+static bool follow_with(int n_create, int n_follow) {
+  int left = 1000000;
+  LitheCtxDef ctx_def = lithe_ctx_def_default();
+  ctx_def.allocate = failing_allocate, ctx_def.release = plain_release, ctx_def.memory_user = &left;
+  LitheCtx *ctx = lithe_ctx_create(&ctx_def);
+  Case c = begin(topology_solid(ctx, 0), ctx, 1);
+  LthDgLiveDef def = live_def(&c, LTH_FLUX_IP);
+  LthPlane plane = {{0.2, 0.2, 0.2}, {0.1, 0.2, 1}};
+  LthSplit split;
+  def.constrain = NULL; // the test's own allocations do not fail
+  left = n_create;
+  LitheStatus status = lth_dg_live_create(ctx, &def, 0, &c.live);
+  if (status == LITHE_OK) {
+    left = 1000000;
+    CHECK_OK(ctx, lth_topology_split(ctx, c.t, 0, &plane, -1, &split));
+    left = n_follow;
+    status = lth_dg_live_follow(ctx, c.live, 0, NULL);
+  } else {
+    assert_null(c.live);
+  }
+  assert_true(status == LITHE_OK || status == LITHE_NO_MEMORY);
+  left = 1000000;
+  end(&c);
+  return status == LITHE_OK;
+}
+
+static void every_failed_allocation_is_told_and_leaks_nothing(void **state) {
+  (void)state;
+  int n_create = 0, n_follow = 0;
+  while (n_create < 500 && !follow_with(n_create, 1000000)) n_create++;
+  while (n_follow < 500 && !follow_with(1000000, n_follow)) n_follow++;
+  assert_true(n_create > 40 && n_create < 500);
+  assert_true(n_follow > 30 && n_follow < 500);
+}
+
 int main(void) {
   const char *fixed = getenv("LITHE_TEST_SEED");
   seed = fixed ? strtoull(fixed, NULL, 10) : (uint64_t)time(NULL);
@@ -552,6 +598,7 @@ int main(void) {
       cmocka_unit_test(other_material_or_degree_is_integrated_anew),
       cmocka_unit_test(the_cost_of_a_cut_is_that_of_the_touched),
       cmocka_unit_test(solvers_go_on_from_the_solution_of_before),
+      cmocka_unit_test(every_failed_allocation_is_told_and_leaks_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
