@@ -25,6 +25,9 @@ typedef struct LthCollider {
   double axis[3], pivot[3];
 } LthCollider;
 
+/// Width of what carries a body's weight over its size, for an automatic stiffness: the root of 0.004.
+#define LTH_CONTACT_SPOT 0.0632455532033675866
+
 typedef struct LthContactDef {
   const LthEmbedding *points;   ///< borrowed for life
   const LthCollider *colliders; ///< borrowed for life; a mesh without bvh gets one here

@@ -118,6 +118,9 @@ const LthEmbedding *lth_body_touch_points(const LthBody *body);
 
 /// Largest lambda + 2 mu [Pa].
 double lth_body_modulus(const LthBody *body);
+/// Weight that a spot of contact carries [N]. In the plane, where masses are those of a metre, that of a slice as deep as the
+/// spot is wide: the spot is a strip across it.
+double lth_body_weight(const LthBody *body);
 
 /// Cells of the discretisation, its material's volume in one of them [m^3] and the middle of that [m].
 double lth_body_cell_volume(const LthBody *body, LitheIndex cell);

@@ -3,6 +3,7 @@
 
 #include "base/tensor.h"
 #include "disc/cg/cg_disc.h"
+#include "embed/contact.h"
 
 /// Longest edge of a polygon, squared.
 static double longest_edge(const LthSoup *soup, LitheIndex polygon) {
@@ -69,6 +70,11 @@ double lth_body_modulus(const LthBody *body) {
   return modulus;
 }
 
+double lth_body_weight(const LthBody *body) {
+  const double weight = body->mass * lth_v3_norm(body->scene->gravity);
+  return body->scene->dimension == 2 ? weight * LTH_CONTACT_SPOT * body->size : weight;
+}
+
 LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
   const LthScene *scene = body->scene;
   if (scene->n_colliders == 0) return LITHE_OK;
@@ -82,6 +88,6 @@ LitheStatus lth_build_contact(LitheCtx *ctx, LthBody *body) {
                        .modulus = lth_body_modulus(body),
                        .cell_size = body->cell_size,
                        .body_size = body->size,
-                       .body_weight = body->mass * lth_v3_norm(scene->gravity)};
+                       .body_weight = lth_body_weight(body)};
   return lth_contact_create(ctx, &def, &body->contact);
 }

@@ -76,7 +76,7 @@ static LthPairSide pair_side(const LthBody *body) {
                        .modulus = lth_body_modulus(body),
                        .cell_size = body->cell_size,
                        .body_size = body->size,
-                       .body_weight = body->mass * lth_v3_norm(body->scene->gravity)};
+                       .body_weight = lth_body_weight(body)};
 }
 
 static LthPartsSide parts_side(const LthBody *body) {

@@ -12,8 +12,15 @@
 #define FACTOR_FLOPS 8e9    // sparse Cholesky [1/s]
 #define SOLVE_BYTES 6e9     // triangular solves and products read the matrix [byte/s]
 #define GRID_SECONDS 1.5e-6 // a matrix-free solve by multigrid, an unknown
-#define GRID_BYTES 130.0    // it holds, an unknown
+// What it holds: values of blocks that hold something, at every place of theirs; coefficients of those that are not uniform; vectors
+// over functions, which have three places in the plane too; and clusters with their levels, where features are thin.
+#define GRID_SLOT 68.0
+#define GRID_GENERAL 18.0
+#define GRID_FUNCTION 810.0
+#define GRID_CLUSTERS 90.0
+#define GRID_THIN 0.4       // share of cut cells from which a body is thin
 #define MIXED_SECONDS 6e-6  // and that of the mixed form
+#define MIXED_UNKNOWN 237.0 // vectors over unknowns
 #define MIXED_KEPT 12       // directions of its Krylov method ...
 #define MIXED_TOUCH_KEPT 60 // ... and with contact
 #define MIXED_SLOT 350      // a slot of the operator of the displacement form, and pressures
@@ -47,6 +54,7 @@ typedef struct Factor {
   double bytes, flops;
   bool is_beaten;       ///< by multigrid: as asked, or as `auto` will choose
   double grid_unknowns; ///< solved without a matrix
+  double grid_bytes;    ///< for that
   double mixed_bytes;   ///< what the mixed form takes beside
   bool has_mesh;        ///< some body is not on a grid
 } Factor;
@@ -88,9 +96,8 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
               (is_pcg         ? 0
                : is_multigrid ? matrix
                               : 2 * bytes) +
-              (factor->grid_unknowns > 0 ? 40 : 1000) * corners +
-              GRID_BYTES * factor->grid_unknowns + factor->mixed_bytes +
-              (factor->has_mesh || factor->bytes > 0 ? 5e7 : PROGRAM_BYTES);
+              (factor->grid_unknowns > 0 ? 0 : 1000) * corners + factor->grid_bytes +
+              factor->mixed_bytes + (factor->has_mesh || factor->bytes > 0 ? 5e7 : PROGRAM_BYTES);
   f->seconds = (double)f->steps * (one_solve + matrix / SOLVE_BYTES * 4) +
                corners * POINT_SECONDS * (20 + f->frames);
 }
@@ -108,6 +115,27 @@ static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool t
   double listed = 4 * (dim + 2) * inner + 4 * (1 + m * m) * (cells - inner);
   return n * (krylov + MIXED_SLOT) +
          (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
+}
+
+/// Slots of blocks in which some cell is not full.
+static double general_slots(const LthStaggeredBody *s) {
+  const LthSparseGrid *g = s->fractions->grid;
+  double n = 0;
+  for (LitheIndex b = 0; b < g->n_blocks; b++) {
+    bool uniform = true;
+    for (LitheCount i = 0; uniform && i < g->block_cells; i++)
+      uniform = s->filled[b * (LitheCount)g->block_cells + i] >= 1;
+    n += uniform ? 0 : g->block_cells;
+  }
+  return n;
+}
+
+/// What a run with the displacement form holds.
+static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count) {
+  const LthSparseGrid *g = s->fractions->grid;
+  const bool is_thin = count->cut > GRID_THIN * count->cells;
+  return g->dim * (GRID_SLOT * (double)g->n_slots + GRID_GENERAL * general_slots(s)) +
+         (GRID_FUNCTION / g->dim + (is_thin ? GRID_CLUSTERS : 0)) * (double)count->unknowns;
 }
 
 /// The formulation as far as it can be told without places.
@@ -136,7 +164,12 @@ static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor,
   if (is_free) {
     factor->is_beaten = true;
     factor->grid_unknowns += (double)count.unknowns;
-    if (is_mixed(body)) factor->mixed_bytes += mixed_bytes(body, &count, scene->n_colliders > 0);
+    if (!is_mixed(body)) {
+      factor->grid_bytes += grid_bytes(s, &count);
+      return;
+    }
+    factor->grid_bytes += MIXED_UNKNOWN * (double)count.unknowns;
+    factor->mixed_bytes += mixed_bytes(body, &count, scene->n_colliders > 0);
     return;
   }
   f->nonzeros += row * count.unknowns;

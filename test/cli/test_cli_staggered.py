@@ -167,6 +167,36 @@ def test_forecast():
             expect("nonzeros_of_a_%s_body_are_foreseen" % model, 0.6 < made / told < 1.1, (made, told))
 
 
+THIN = """lithe: 1
+bodies:
+  - name: shell
+    shape: {shell: {center: [0, 0, 0], outer: 1, inner: %g}}
+    material: {model: linear, young_modulus: 1 GPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: staggered, cells: %d}
+    constraints:
+      - {where: {plane: {point: [0, 0, -0.9], normal: [0, 0, -1]}}, displacement: [0, 0, 0]}
+gravity: [0, 0, -9.81]
+time: {kind: static}
+output: {every: last, fields: [none]}
+"""
+
+
+def test_thin():
+    """Memory of a compact and of a thin body is foreseen within 30 %, iterations do not grow, thin features are told."""
+    with folder() as d:
+        iterations = {}
+        for name, inner, cells in (("compact", 0.2, 64), ("thin", 1 - 6 / 64, 64), ("finer", 1 - 6 / 96, 96)):
+            write(d, name + ".yaml", THIN % (inner, cells))
+            told = json.loads(run("check", name + ".yaml", "--json", cwd=d).stdout)["memory"]
+            r = result(d, name + ".yaml")
+            iterations[name] = r.get("solver", {}).get("iterations")
+            expect("memory_of_a_%s_body_is_foreseen" % name, 0.7 < told / r["memory"] < 1.3, (told, r["memory"]))
+        expect("a_finer_shell_takes_few_iterations_more", iterations["finer"] <= 30, iterations)
+        told = {cells: run("mesh", "thin.yaml", "--set", "bodies.0.method.cells=%d" % cells, cwd=d) for cells in (40, 80)}
+        expect("thin_features_are_told_with_the_mesh", "in features thinner than three cells" in told[40].stderr and
+               "thinner" not in told[80].stderr, told)
+
+
 def test_bunny():
     """Two methods, one answer: its base clamped, under gravity."""
     if not os.path.exists(BUNNY):
@@ -469,6 +499,7 @@ def test_bad_input():
 
 test_bar()
 test_forecast()
+test_thin()
 test_bunny()
 test_thesis()
 test_shell()

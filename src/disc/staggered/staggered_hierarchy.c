@@ -44,7 +44,7 @@ static LitheStatus add_level(LitheCtx *ctx, LthStaggeredHierarchy *H, double thi
   *more = false;
   LITHE_TRY_OR(done, lth_staggered_coarsen(ctx, fine, &grid, &coarse));
   LITHE_TRY_OR(done, coarsen_filling(ctx, fine->grid, grid, filling));
-  LITHE_TRY_OR(done, lth_staggered_thin_share(ctx, grid, *filling, &share));
+  LITHE_TRY_OR(done, lth_staggered_thin_share(ctx, grid, *filling, &share, NULL));
   LitheCount n_free = lth_staggered_count_free(ctx, &coarse);
   H->stopped_thin = share > thin_fraction;
   *more = !H->stopped_thin && n_free > 0 && n_free < H->n_free[H->n_levels - 1];

@@ -46,9 +46,9 @@ LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse);
 
 /// Share of the solid cells of a grid that lie in features thinner than three cells; `solid` is how much of a cell
-/// is filled (n_slots).
+/// is filled (n_slots). `where`, unless NULL, becomes the slot of one of them, -1: none.
 LitheStatus lth_staggered_thin_share(LitheCtx *ctx, const LthSparseGrid *grid, const float *solid,
-                                     double *share);
+                                     double *share, LitheCount *where);
 
 // Plain kernels, loops in the order of the theory: for tests, and for set-up on coarse levels. Vectors are three
 // (2D: two) components over slots; what is not free counts as it stands in inputs and is zero in outputs.

@@ -14,7 +14,6 @@ typedef struct LthStaggeredMultigridDef {
   LitheCount
       n_dofs; ///< 3 x functions: what vectors below are long; component a of function i at 3 i + a
   int degree; ///< steps of a smoother; 0: by Poisson's ratio
-  int band;   ///< more steps near boundaries and interfaces
   LitheCount
       factored; ///< unknowns up to which the coarsest level has a Cholesky factor; 0: by dimension
 } LthStaggeredMultigridDef;

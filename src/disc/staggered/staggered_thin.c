@@ -24,7 +24,7 @@ static void extreme_along(LitheCtx *ctx, const LthSparseGrid *g, int axis, int r
 /// Solid cells that are far from any 3-box of solid cells, over all solid cells. A cell may be two away from the
 /// box's centre and one more, so that rounded and slanting boundaries do not count.
 LitheStatus lth_staggered_thin_share(LitheCtx *ctx, const LthSparseGrid *g, const float *solid,
-                                     double *share) {
+                                     double *share, LitheCount *where) {
   LitheStatus status = LITHE_OK;
   uint8_t *a = NULL, *b = NULL;
   LTH_NEW_OR(done, ctx, a, g->n_slots);
@@ -37,11 +37,14 @@ LitheStatus lth_staggered_thin_share(LitheCtx *ctx, const LthSparseGrid *g, cons
       a = b;
       b = swap;
     }
-  LitheCount n = 0, thin = 0;
+  LitheCount n = 0, thin = 0, first = -1;
   for (LitheCount s = 0; s < g->n_slots; s++) {
-    n += solid[s] >= 0.5F;
-    thin += solid[s] >= 0.5F && !a[s];
+    const bool is_solid = solid[s] >= 0.5F, is_thin = is_solid && !a[s];
+    if (is_thin && first < 0) first = s;
+    n += is_solid;
+    thin += is_thin;
   }
+  if (where) *where = first;
   *share = n ? (double)thin / (double)n : 1;
 done:
   lth_free(ctx, a);

@@ -2,6 +2,9 @@
 #include "base/tensor.h"
 #include "scene_text.h"
 
+#include "embed/contact.h"
+#include "scene/body.h"
+
 static Reading read_override(const char *override) {
   Reading r =
       read_with(SMALL_SCENE, 2, (const char *const[]){"bodies.0.method.kind=staggered", override});
@@ -255,6 +258,21 @@ static void names_what_is_wrong_with_a_polygon(void **state) {
                      "expected inner < outer");
 }
 
+// A square of a metre's depth rests on a strip, a cube of the same side on a spot: the same pressure, whatever the side.
+static void a_spot_in_the_plane_carries_the_pressure_that_one_in_space_does(void **state) {
+  (void)state;
+  for (double side = 0.01; side < 100; side *= 10) {
+    LthScene plane = {.dimension = 2, .gravity = {0, -9.81, 0}},
+             space = {.dimension = 3, .gravity = {0, -9.81, 0}};
+    LthBody square = {.scene = &plane, .size = side, .mass = 1000 * side * side},
+            cube = {.scene = &space, .size = side, .mass = 1000 * side * side * side};
+    CHECK_NEAR(lth_body_weight(&cube), 9810 * side * side * side, 1e-12);
+    CHECK_NEAR(lth_body_weight(&square) / lth_body_weight(&cube), LTH_CONTACT_SPOT, 1e-12);
+    // the spot in space is as wide as it is deep
+    CHECK_NEAR(LTH_CONTACT_SPOT * LTH_CONTACT_SPOT, 0.004, 1e-12);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(reads_the_keys_of_the_staggered_method),
@@ -266,6 +284,7 @@ int main(void) {
       cmocka_unit_test(turns_shapes_by_an_angle_alone),
       cmocka_unit_test(refuses_what_belongs_to_space),
       cmocka_unit_test(names_what_is_wrong_with_a_polygon),
+      cmocka_unit_test(a_spot_in_the_plane_carries_the_pressure_that_one_in_space_does),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
