@@ -143,6 +143,11 @@ LitheStatus lth_topology_cut(LitheCtx *ctx, LthTopology *topology, LitheIndex n,
 /// True if two cells may become one: they share a face, and no cut has parted them.
 bool lth_topology_may_merge(const LthTopology *topology, LitheIndex a, LitheIndex b);
 
+/// Take cells away. No inner face may be left between them and cells that stay (lth_topology_separate()). Volume and
+/// surface are from now on those of what stays.
+LitheStatus lth_topology_remove(LitheCtx *ctx, LthTopology *topology, LitheIndex n,
+                                const LitheIndex *cells);
+
 /// Make two cells that may merge one; `*merged` is its record. Common faces vanish; faces to the same
 /// neighbour that lie side by side in the same plane become one; corners that no edge needs are taken out.
 LitheStatus lth_topology_merge(LitheCtx *ctx, LthTopology *topology, LitheIndex a, LitheIndex b,

@@ -9,6 +9,7 @@
 ///   topology_divide.c  new corners on the edges of neighbours
 ///   topology_cut.c     cuts of many cells, parting along faces
 ///   topology_merge.c   merging cells, slivers; topology_join.c: what is left of their faces
+///   topology_remove.c  cells that are taken away; topology_section.c: a plane through a cell
 ///   topology_mesh.c    the mesh of now
 ///   topology_check.c   invariants
 ///   topology_archive.c all of it as bytes

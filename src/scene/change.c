@@ -60,7 +60,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   if (c->refinement) lth_refinement_free(ctx, c->refinement);
   lth_free(ctx, c->refinement);
   void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
-                    c->degree,      c->atom_record, c->planes,      c};
+                    c->degree,      c->atom_record, c->is_open,     c};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   body->change = NULL;
 }
@@ -95,10 +95,10 @@ bool lth_body_has_changed(const LthBody *body) {
   return false;
 }
 
-LitheStatus lth_body_note_plane(LitheCtx *ctx, LthBody *body, const LthCutPlane *plane) {
+LitheStatus lth_body_count_cut(LitheCtx *ctx, LthBody *body, bool is_open) {
   LthBodyChange *c = body->change;
-  LTH_RESERVE(ctx, c->planes, c->cap_planes, (LitheCount)c->n_planes + 1);
-  c->planes[c->n_planes++] = *plane;
+  LTH_RESERVE(ctx, c->is_open, c->cap_open, (LitheCount)c->n_cuts + 1);
+  c->is_open[c->n_cuts++] = is_open;
   return LITHE_OK;
 }
 
@@ -142,6 +142,10 @@ LitheStatus lth_body_present_mesh(LitheCtx *ctx, const LthBody *body, LthMesh **
                                   LitheIndex **cell_record, LitheIndex **face_record) {
   const LthBodyChange *c = body->change;
   LITHE_TRY(lth_topology_mesh(ctx, c->topology, 0, NULL, mesh, cell_record, face_record));
+  for (LitheIndex f = 0; f < (*mesh)->n_faces; f++) {
+    LitheIndex *tag = (*mesh)->face_tag + f;
+    if (*tag <= LTH_TAG_CUT && c->is_open[LTH_TAG_CUT - *tag]) *tag = -1;
+  }
   return lth_topology_groups(ctx, c->topology, c->first, *cell_record, *face_record, *mesh);
 }
 

@@ -11,13 +11,6 @@
 
 typedef struct LthCutSurface LthCutSurface; // cut_surface.h
 
-/// A cell that a plane went through, in the order of the cuts: what else lies along it (an embedded surface) is cut too.
-typedef struct LthCutPlane {
-  LitheIndex tag;  ///< of the faces that it made: LTH_TAG_CUT - k, or -1 where it divides only
-  LitheIndex cell; ///< record before it was split; readable until the log is forgotten
-  LthPlane plane;  ///< at rest
-} LthCutPlane;
-
 /// What a body with `cuts` or `adapt` has besides its mesh. Records are those of the topology; arrays by record
 /// are as long as lth_body_change_inherit() made them.
 struct LthBodyChange {
@@ -47,9 +40,9 @@ struct LthBodyChange {
       *surface;      ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
   LthDgStore *store; ///< integrals by record
 
-  LthCutPlane *planes; ///< since the last renewal
-  LitheIndex n_planes;
-  LitheCount cap_planes;
+  bool *
+      is_open; ///< cuts whose other side was taken away: their faces are boundary like any other (n_cuts)
+  LitheCount cap_open;
 };
 
 /// Let the elements of a dg body change from now on: its topology begins with its mesh. LITHE_UNSUPPORTED: a body of
@@ -66,8 +59,9 @@ LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body);
 /// True where the log of a body's topology has something to follow, or a cell another degree than its space.
 bool lth_body_has_changed(const LthBody *body);
 
-/// Note that a plane goes through a cell.
-LitheStatus lth_body_note_plane(LitheCtx *ctx, LthBody *body, const LthCutPlane *plane);
+/// Give out the number of a cut that was made with the tag LTH_TAG_CUT - n_cuts. `is_open`: what was on its other side is
+/// gone. Faces of other cuts are free: no constraint or load acts on them.
+LitheStatus lth_body_count_cut(LitheCtx *ctx, LthBody *body, bool is_open);
 
 /// Replace the mesh of a body on which nothing is built yet by that of its topology, and forget the log.
 LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body);

@@ -1,116 +1,36 @@
-/// Cuts of a scene: when they are due, and plane ones.
-#include "scene/cut.h"
-
-#include "base/tensor.h"
-#include "disc/dg/dg_transfer.h"
+/// Cuts of a scene: when they are due, the slivers that they leave, and what is told of them.
+#include "scene/cut_priv.h"
 
 #include <math.h>
 
 #define ROUNDING 1e-9 ///< of a time: two that differ by less are the same
-#define NEAR 0.5      ///< of a cell's box: planes that close to it may part it from a neighbour
-
-/// Cells of a body that a cut looks at, with the plane in rest space of each.
-typedef struct Cells {
-  LitheIndex n;
-  LitheIndex *record;
-  LthPlane *plane;
-} Cells;
-
-/// A body's positions at this moment, NULL while they are those at rest.
-static const double *positions(const LthWorld *world, const LthBody *body) {
-  return world->sim ? lth_body_position(body) : NULL;
-}
-
-/// The cut's plane as a cell sees it at rest; false where the cell is too flat to have one.
-static bool plane_at_rest(const LthBody *body, const LthSceneCut *cut, const double *x,
-                          LitheIndex record, LthPlane *plane) {
-  const LthBodyChange *c = body->change;
-  *plane = cut->plane;
-  if (cut->at_rest || !x) return true;
-  LitheIndex cell = c->record_cell[lth_topology_before(c->topology, record)];
-  return lth_dg_plane_to_rest(body->space, cell, x, &cut->plane, plane);
-}
-
-/// Does the plane pass a cell's box, made larger by a part of itself?
-static bool is_near(const LthTopologyCell *cell, const LthPlane *plane) {
-  double reach = 0, height = 0;
-  for (int a = 0; a < 3; a++) {
-    double half = 0.5 * (cell->box[3 + a] - cell->box[a]);
-    height += plane->normal[a] * (cell->box[a] + half - plane->point[a]);
-    reach += (1 + NEAR) * half * fabs(plane->normal[a]);
-  }
-  return fabs(height) <= reach;
-}
-
-static void free_cells(LitheCtx *ctx, Cells *cells) {
-  lth_free(ctx, cells->record);
-  lth_free(ctx, cells->plane);
-}
-
-static LitheStatus find_cells(LitheCtx *ctx, const LthBody *body, const LthSceneCut *cut,
-                              const double *x, Cells *cells) {
-  const LthTopology *t = body->change->topology;
-  LTH_NEW(ctx, cells->record, t->n_live_cells);
-  LTH_NEW(ctx, cells->plane, t->n_live_cells);
-  for (LitheIndex i = 0; i < t->n_cells; i++) {
-    LthPlane *plane = cells->plane + cells->n;
-    if (!t->cells[i].is_live || !plane_at_rest(body, cut, x, i, plane)) continue;
-    if (!is_near(t->cells + i, plane)) continue;
-    cells->record[cells->n++] = i;
-  }
-  return LITHE_OK;
-}
-
-static bool has_tag(const LthTopology *t, LitheIndex cell, LitheIndex tag) {
-  for (LitheIndex i = 0; i < t->cells[cell].n_faces; i++)
-    if (t->faces[lth_topology_cell_faces(t, cell)[i]].tag == tag) return true;
-  return false;
-}
-
-/// Note the planes of cells that were split, or parted from a neighbour.
-static LitheStatus note_planes(LitheCtx *ctx, LthBody *body, const Cells *cells, LitheIndex tag) {
-  const LthTopology *t = body->change->topology;
-  for (LitheIndex i = 0; i < cells->n; i++) {
-    LthCutPlane plane = {tag, cells->record[i], cells->plane[i]};
-    if (!t->cells[plane.cell].is_live || has_tag(t, plane.cell, tag))
-      LITHE_TRY(lth_body_note_plane(ctx, body, &plane));
-  }
-  return LITHE_OK;
-}
-
-static LitheStatus cut_plane(LitheCtx *ctx, LthBody *body, const LthSceneCut *cut, const double *x,
-                             LthChangeNote *note) {
-  LthBodyChange *c = body->change;
-  LitheStatus status = LITHE_OK;
-  LitheIndex tag = LTH_TAG_CUT - c->n_cuts;
-  Cells cells = {0};
-  LthCut done = {0};
-  LITHE_TRY_OR(done, find_cells(ctx, body, cut, x, &cells));
-  bool is_one = cut->at_rest || !x;
-  if (cells.n > 0)
-    LITHE_TRY_OR(done, lth_topology_cut(ctx, c->topology, cells.n, cells.record,
-                                        is_one ? 1 : cells.n, cells.plane, tag, &done));
-  LITHE_TRY_OR(done, note_planes(ctx, body, &cells, tag));
-  note->n_split = done.n_split;
-  note->n_separated = done.n_separated;
-  note->area = done.area;
-done:
-  free_cells(ctx, &cells);
-  return status;
+static LthChangeNote note_of(const LthWorld *world, LitheIndex i, LitheIndex b) {
+  static const LthChangeKind kinds[] = {LTH_CHANGE_PLANE, LTH_CHANGE_BLADE, LTH_CHANGE_CARVE};
+  return (LthChangeNote){.kind = kinds[world->scene->cuts[i].kind],
+                         .t = world->sim ? lth_simulation_time(world->sim) : 0,
+                         .body = b,
+                         .cut = i};
 }
 
 /// One cut of one body.
 static LitheStatus cut_body(LitheCtx *ctx, LthWorld *world, LitheIndex i, LitheIndex b, bool *any) {
+  static LitheStatus (*const ways[])(LitheCtx *, LthCutting *) = {
+      lth_cut_by_plane, lth_cut_by_blade, lth_cut_by_carving};
   const LthSceneCut *cut = world->scene->cuts + i;
   LthBody *body = world->bodies[b];
-  LthChangeNote note = {.kind = LTH_CHANGE_PLANE,
-                        .t = world->sim ? lth_simulation_time(world->sim) : 0,
-                        .body = b,
-                        .cut = i};
-  LITHE_TRY(cut_plane(ctx, body, cut, positions(world, body), &note));
-  if (note.n_split + note.n_separated == 0) return LITHE_OK;
+  LthChangeNote note = note_of(world, i, b);
+  LthCutting c = {.body = body,
+                  .t = body->change->topology,
+                  .cut = cut,
+                  .tag = LTH_TAG_CUT - body->change->n_cuts,
+                  .note = &note};
+  if (world->sim && !cut->at_rest) c.x = lth_body_position(body);
+  LitheStatus status = ways[cut->kind](ctx, &c);
+  lth_section_free(ctx, &c.section);
+  LITHE_TRY(status);
+  if (note.n_split + note.n_separated + note.n_removed == 0) return LITHE_OK;
   *any = true;
-  body->change->n_cuts++;
+  LITHE_TRY(lth_body_count_cut(ctx, body, note.n_removed > 0));
   return lth_world_note(ctx, world, &note);
 }
 
@@ -125,10 +45,7 @@ static LitheStatus make_cut(LitheCtx *ctx, LthWorld *world, LitheIndex i) {
   lth_warn(ctx, "%s: it misses %s, and nothing is cut; places are those %s", cut->place,
            cut->body >= 0 ? "its body" : "all bodies",
            cut->at_rest ? "at rest" : "of the moment, `space: rest` gives them at rest");
-  LthChangeNote note = {.kind = LTH_CHANGE_PLANE,
-                        .t = world->sim ? lth_simulation_time(world->sim) : 0,
-                        .body = cut->body < 0 ? 0 : cut->body,
-                        .cut = i};
+  LthChangeNote note = note_of(world, i, cut->body < 0 ? 0 : cut->body);
   return lth_world_note(ctx, world, &note);
 }
 

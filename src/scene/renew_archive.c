@@ -16,6 +16,7 @@ static void walk_cells(LthArchive *a, LthBody *body) {
 }
 
 static LitheStatus make_room(LitheCtx *ctx, LthBodyChange *c) {
+  LTH_RESERVE(ctx, c->is_open, c->cap_open, c->n_cuts);
   LTH_RESERVE(ctx, c->level, c->cap_level, c->topology->n_cells);
   LTH_RESERVE(ctx, c->degree, c->cap_degree, c->topology->n_cells);
   return LITHE_OK;
@@ -25,6 +26,7 @@ static void walk_topology(LthArchive *a, LthBodyChange *c) {
   LTH_ARCHIVE(a, c->n_cuts);
   lth_topology_archive(c->topology, a);
   if (a->status == LITHE_OK && a->is_reading) a->status = make_room(a->ctx, c);
+  LTH_ARCHIVE_ARRAY(a, c->is_open, c->n_cuts);
   LTH_ARCHIVE_ARRAY(a, c->level, c->topology->n_cells);
   LTH_ARCHIVE_ARRAY(a, c->degree, c->topology->n_cells);
 }

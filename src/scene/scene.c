@@ -224,6 +224,10 @@ void lth_scene_destroy(LitheCtx *ctx, LthScene **scene) {
   for (LitheIndex i = 0; i < (*scene)->n_colliders; i++)
     lth_shape_free(ctx, &(*scene)->colliders[i].shape);
   for (LitheIndex i = 0; i < (*scene)->n_ties; i++) lth_where_free(ctx, &(*scene)->ties[i].where);
+  for (LitheIndex i = 0; i < (*scene)->n_cuts; i++) {
+    lth_shape_free(ctx, &(*scene)->cuts[i].within);
+    lth_shape_free(ctx, &(*scene)->cuts[i].carve);
+  }
   free_owned(ctx, (*scene)->owned);
   lth_free(ctx, *scene);
   *scene = NULL;

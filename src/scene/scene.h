@@ -119,6 +119,9 @@ typedef struct LthSceneTie {
 
 typedef enum LthCutKind { LTH_CUT_PLANE, LTH_CUT_BLADE, LTH_CUT_CARVE } LthCutKind;
 
+/// Of carving.
+typedef enum LthKeep { LTH_KEEP_INSIDE, LTH_KEEP_OUTSIDE, LTH_KEEP_BOTH } LthKeep;
+
 /// A cut, as `cuts` has it.
 typedef struct LthSceneCut {
   const char *place; ///< "scene.yaml:20:5: cuts.0", for messages
@@ -127,6 +130,12 @@ typedef struct LthSceneCut {
   bool at_rest;      ///< places are those at rest, else those of the moment
   LthCutKind kind;
   LthPlane plane;
+  bool has_within;
+  LthShape within;   ///< prepared
+  LitheIndex n_path; ///< of a blade, two at least
+  double (*path)[3], depth[3];
+  LthShape carve;
+  LthKeep keep;
 } LthSceneCut;
 
 /// What an element is judged by: the words of `criterion`, in their order.

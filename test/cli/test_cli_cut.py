@@ -44,6 +44,21 @@ output: {fields: [vtu], checkpoint: 0}
 """
 
 
+CUBE = """lithe: 1
+bodies:
+  - name: cube
+    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}
+    material: {young_modulus: 1 MPa, poisson_ratio: 0.4, density: 1000}
+    method: {kind: dg, mesh: hexahedra, cells: [5, 5, 5], degree: 1}
+    constraints: [{where: {plane: {point: [0, 0.001, 0], normal: [0, -1, 0]}}, displacement: [0, 0, 0]}]
+    loads: [{where: {plane: {point: [0, 0.999, 0], normal: [0, 1, 0]}}, traction: [0, -1, 0]}]
+cuts:
+  - CUT
+time: static
+output: {fields: [vtu]}
+"""
+
+
 def solve(d, text, *options):
     write(d, "scene.yaml", text)
     got = run("run", "scene.yaml", "-q", "-o", "out", *options, cwd=d)
@@ -94,4 +109,38 @@ with folder() as d:
     write(d, "late.yaml", BEND.replace("at: 0.4", "at: 1"))
     check("a_cut_after_the_end_is_refused", ["run", "late.yaml", "-q"], "",
           "late.yaml:11:10: cuts.0.at: the run ends before it, got 1 s; expected less than the duration, 1 s\n", 2, cwd=d)
+with folder() as d:
+    def cut(text):
+        got, result = solve(d, CUBE.replace("CUT", text))
+        return result["topology"][0] if result else got.stderr
+
+    part = "within: {box: {min: [0, 0.5, 0], max: [1, 1, 1]}}"
+    n = cut("{plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}, %s}" % part)
+    expect("a_cut_within_a_shape_ends_there", n["split"] == 15 and n["pieces"] == 1 and abs(n["area"] - 0.6) < 1e-12, n)
+    n = cut("{plane: {point: [0.4, 0, 0], normal: [1, 0, 0]}, %s}" % part)
+    expect("and_parts_along_faces", n["split"] == 0 and n["separated"] == 15 and abs(n["area"] - 0.6) < 1e-12, n)
+    n = cut("{blade: {path: [[0.5, 1.1, -0.1], [0.5, 0.7, -0.1], [0.7, 0.5, -0.1], [0.79, 0.5, -0.1]], depth: [0, 0, 1.2]}}")
+    # down to the bend, askew, and on to the end of the last element
+    expect("a_blade_bends_inside_elements", abs(n["area"] - (0.3 + 0.2 * 2 ** 0.5 + 0.1)) < 1e-12 and n["pieces"] == 1, n)
+    n = cut("{blade: {path: [[0.5, 1.1, -0.1], [0.5, 0.7, -0.1]], depth: [0, 0, 0.55]}}")
+    expect("and_ends_at_its_depth_to_the_element", abs(n["area"] - 0.4 * 0.6) < 1e-12, n)
+    n = cut("{carve: {box: {min: [0.1, -0.1, 0.15], max: [0.83, 2, 0.9]}}, keep: inside}")
+    expect("carving_keeps_the_inside", abs(n["volume"] - 0.73 * 0.75) < 1e-12 and n["pieces"] == 1, n)
+    n = cut("{carve: {box: {min: [0.1, 0.13, 0.15], max: [0.83, 0.77, 0.9]}}, keep: outside}")
+    expect("or_the_outside", abs(n["volume"] - (1 - 0.73 * 0.64 * 0.75)) < 1e-12 and n["pieces"] == 1, n)
+    n = cut("{carve: {box: {min: [-1, 0.5, 0.15], max: [2, 2, 0.9]}}, keep: outside}")
+    expect("surfaces_that_carving_lays_open_are_boundary", abs(n["volume"] - (1 - 0.5 * 0.75)) < 1e-12, n)
+    told = cut("{carve: {box: {min: [1.1, 0, 0], max: [2, 1, 1]}}, keep: inside}")
+    expect("a_carve_that_leaves_nothing_says_so", told == "lithe: scene.yaml:10:5: cuts.0.carve: nothing is left of the body "
+           "`cube`, no part of which is inside the solid; move or turn it, or keep the other side\n", told)
+    for key, text, err in (
+            ("within", "{blade: {path: [[0, 0, 0], [1, 0, 0]], depth: [0, 0, 1]}, within: {sphere: {center: [0, 0, 0], radius: 1}}}",
+             "scene.yaml:10:63: cuts.0.within: it belongs to plane, got no plane; leave it out\n"),
+            ("keep", "{carve: {sphere: {center: [0, 0, 0], radius: 1}}}",
+             "scene.yaml:10:5: cuts.0.keep: missing; expected inside, outside or both\n"),
+            ("path", "{blade: {path: [[0, 0, 0], [0, 0, 1]], depth: [0, 0, 1]}}",
+             "scene.yaml:10:13: cuts.0.blade: edge 0 of its path does not sweep a surface: its ends are the same place, or the "
+             "depth runs along it; expected different places, and a depth across them\n")):
+        write(d, "scene.yaml", CUBE.replace("CUT", text))
+        check("a_wrong_%s_is_refused" % key, ["run", "scene.yaml", "-q"], "", err, 2, cwd=d)
 done()

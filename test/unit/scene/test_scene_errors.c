@@ -73,7 +73,7 @@ static void refuses_what_is_not_built_yet(void **state) {
                         "cg`, got \"voxels\"; expected slice, hexahedra or tetrahedra");
   EXPECT_OVERRIDE_ERROR("cuts=[{at: 0}]",
                         "--set cuts=[{at: 0}]: cuts.0: incomplete, got none of the keys it needs; "
-                        "expected exactly one of plane");
+                        "expected exactly one of plane, blade, carve");
   EXPECT_OVERRIDE_ERROR("adapt={h: {criterion: rotation, threshold: 5 kPa}}",
                         "--set adapt={h: {criterion: rotation, threshold: 5 kPa}}: "
                         "adapt.h.threshold: wrong dimension, got \"5 kPa\", a pressure; expected "

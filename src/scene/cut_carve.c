@@ -1,0 +1,249 @@
+/// Cuts by another solid: elements that its surface passes are divided by the planes of its facets until each part is
+/// inside or outside, parts on one side of one element are merged again, and the two sides are parted.
+#include "scene/cut_priv.h"
+
+#include "base/tensor.h"
+#include "geometry/bvh.h"
+
+#include <math.h>
+
+#define FLAT 1e-9 ///< of a cell: facets whose corners are that close to a plane lie in it
+
+enum { OUTSIDE = 1, INSIDE = 2 };
+
+/// A carve in progress.
+typedef struct Carving {
+  LthCutting *c;
+  LthSurface *surface;
+  LthBvh *bvh;
+  LthCutRoots roots;
+  int8_t *side; ///< of live cells                                       (n_cells)
+  LitheCount side_cap;
+  LitheIndex *facets; ///< near the cell in hand
+  LthPlane *planes;   ///< of them, those that differ
+  LitheIndex n_facets, n_planes, *parts, n_parts, *gone;
+  LitheCount facets_cap, planes_cap, parts_cap;
+  LitheStatus status;
+  LitheCtx *ctx;
+} Carving;
+
+static const double *corner(const Carving *v, LitheIndex tri, int k) {
+  return v->surface->points + 3 * (size_t)v->surface->tris[3 * (size_t)tri + (size_t)k];
+}
+
+// --- dividing ---
+
+static LitheStatus list_facet(Carving *v, LitheIndex tri) {
+  LTH_RESERVE(v->ctx, v->facets, v->facets_cap, (LitheCount)v->n_facets + 1);
+  LitheIndex at = v->n_facets++; // in the order of their numbers
+  for (; at > 0 && v->facets[at - 1] > tri; at--) v->facets[at] = v->facets[at - 1];
+  v->facets[at] = tri;
+  return LITHE_OK;
+}
+
+static bool visit_facet(void *self, LitheIndex tri) {
+  Carving *v = self;
+  v->status = list_facet(v, tri);
+  return v->status == LITHE_OK;
+}
+
+/// Facets near a cell as it is now.
+static LitheStatus find_facets(Carving *v, LitheIndex cell) {
+  const LthTopology *t = v->c->t;
+  double center[3], reach = 0;
+  lth_cutting_place(v->c, cell, t->cells[cell].centroid, center);
+  for (LitheIndex i = 0; i < t->cells[cell].n_faces; i++) {
+    LthFaceView face = lth_topology_face(t, lth_topology_cell_faces(t, cell)[i]);
+    for (LitheIndex k = face.loop_off[0]; k < face.loop_off[face.n_loops]; k++) {
+      double x[3];
+      lth_cutting_place(v->c, cell, t->points + 3 * (size_t)face.loop_point[k], x);
+      reach = fmax(reach, lth_v3_distance(x, center));
+    }
+  }
+  v->n_facets = 0;
+  v->status = LITHE_OK;
+  lth_bvh_visit(v->bvh, center, reach, visit_facet, v);
+  return v->status;
+}
+
+static LitheStatus add_part(Carving *v, LitheIndex cell) {
+  LTH_RESERVE(v->ctx, v->parts, v->parts_cap, (LitheCount)v->n_parts + 1);
+  v->parts[v->n_parts++] = cell;
+  return LITHE_OK;
+}
+
+/// Divide a part where the facet itself passes through it.
+static LitheStatus divide_part(Carving *v, LitheIndex i, const LthPlane *plane,
+                               const LthWindow *window) {
+  LthTopology *t = v->c->t;
+  LitheIndex cell = v->parts[i];
+  LthSplit split = {0};
+  LthPlane rest;
+  if (!lth_cutting_plane(v->c, plane, cell, &rest)) return LITHE_OK;
+  if (!lth_plane_passes(t->cells + cell, &rest, 0)) return LITHE_OK;
+  LITHE_TRY(lth_topology_section(v->ctx, t, cell, &rest, &v->c->section));
+  if (!lth_cutting_meets(v->c, cell, window)) return LITHE_OK;
+  LITHE_TRY(lth_topology_split(v->ctx, t, cell, &rest, -1, &split));
+  if (split.n == 0) return LITHE_OK;
+  v->parts[i] = t->log.births[split.first].cell;
+  for (LitheIndex k = 1; k < split.n; k++)
+    LITHE_TRY(add_part(v, t->log.births[split.first + k].cell));
+  return LITHE_OK;
+}
+
+static bool lies_in(const Carving *v, LitheIndex tri, const LthPlane *plane) {
+  double d[3], reach = FLAT * v->c->t->cell_size;
+  for (int k = 0; k < 3; k++) {
+    lth_v3_sub(corner(v, tri, k), plane->point, d);
+    if (!(fabs(lth_v3_dot(plane->normal, d)) <= reach)) return false;
+  }
+  return true;
+}
+
+/// The plane of a facet, or one of those before that it lies in: facets of one flat side have one plane to the bit, so that
+/// faces in it become one again. False where the facet has no area.
+static LitheStatus find_plane(Carving *v, LitheIndex tri, LthPlane *plane, bool *has_area) {
+  const double *a = corner(v, tri, 0), *b = corner(v, tri, 1), *c = corner(v, tri, 2);
+  double u[3], w[3];
+  lth_v3_sub(b, a, u);
+  lth_v3_sub(c, a, w);
+  lth_v3_cross(u, w, plane->normal);
+  lth_v3_copy(a, plane->point);
+  *has_area = lth_v3_normalize(plane->normal) > 0;
+  if (!*has_area) return LITHE_OK;
+  for (LitheIndex i = 0; i < v->n_planes; i++)
+    if (lies_in(v, tri, v->planes + i)) {
+      *plane = v->planes[i];
+      return LITHE_OK;
+    }
+  LTH_RESERVE(v->ctx, v->planes, v->planes_cap, (LitheCount)v->n_planes + 1);
+  v->planes[v->n_planes++] = *plane;
+  return LITHE_OK;
+}
+
+static LitheStatus divide_by_facet(Carving *v, LitheIndex tri) {
+  const double *a = corner(v, tri, 0), *b = corner(v, tri, 1), *c = corner(v, tri, 2);
+  LthPlane plane;
+  bool has_area;
+  LITHE_TRY(find_plane(v, tri, &plane, &has_area));
+  if (!has_area) return LITHE_OK;
+  LthWindow window = lth_window_make(3, (const double *const[]){a, b, c});
+  LitheIndex n = v->n_parts;
+  for (LitheIndex i = 0; i < n; i++) LITHE_TRY(divide_part(v, i, &plane, &window));
+  return LITHE_OK;
+}
+
+static LitheStatus divide_cells(Carving *v) {
+  const LthTopology *t = v->c->t;
+  LitheIndex n = t->n_cells;
+  for (LitheIndex cell = 0; cell < n; cell++) {
+    if (!t->cells[cell].is_live || v->roots.root[cell] != cell) continue;
+    LITHE_TRY(find_facets(v, cell));
+    v->n_parts = v->n_planes = 0;
+    LITHE_TRY(add_part(v, cell));
+    for (LitheIndex i = 0; i < v->n_facets; i++) LITHE_TRY(divide_by_facet(v, v->facets[i]));
+  }
+  return lth_cut_roots_follow(v->ctx, t, &v->roots);
+}
+
+// --- sides ---
+
+static LitheStatus find_sides(Carving *v, LitheIndex n[2]) {
+  const LthTopology *t = v->c->t;
+  LTH_RESERVE(v->ctx, v->side, v->side_cap, t->n_cells);
+  n[0] = n[1] = 0;
+  for (LitheIndex cell = 0; cell < t->n_cells; cell++) {
+    double rest[3], x[3];
+    if (!t->cells[cell].is_live) continue;
+    lth_topology_inner_point(t, cell, rest);
+    lth_cutting_place(v->c, cell, rest, x);
+    bool is_inside = lth_bvh_signed_distance(v->bvh, x, NULL) < 0;
+    v->side[cell] = is_inside ? INSIDE : OUTSIDE;
+    n[is_inside]++;
+  }
+  return LITHE_OK;
+}
+
+/// Part what is inside from what is outside.
+static LitheStatus part_sides(Carving *v) {
+  LthTopology *t = v->c->t;
+  LthChangeNote *note = v->c->note;
+  for (LitheIndex cell = 0; cell < t->n_cells; cell++) {
+    if (!t->cells[cell].is_live || v->side[cell] != INSIDE) continue;
+    for (LitheIndex i = 0; i < t->cells[cell].n_faces;) {
+      LitheIndex face = lth_topology_cell_faces(t, cell)[i];
+      const LthTopologyFace *f = t->faces + face;
+      LitheIndex across = f->cell[f->cell[0] == cell];
+      if (across < 0 || v->side[across] == INSIDE) {
+        i++;
+        continue;
+      }
+      if (!f->is_line) note->area += f->area;
+      note->n_separated += !f->is_line && v->roots.root[cell] != v->roots.root[across];
+      LITHE_TRY(lth_topology_separate(v->ctx, t, face, v->c->tag, NULL)); // another takes its place
+    }
+  }
+  return LITHE_OK;
+}
+
+/// Cells that lay on both sides.
+static LitheStatus count_split(Carving *v) {
+  const LthTopology *t = v->c->t;
+  int8_t *seen = NULL;
+  LTH_NEW(v->ctx, seen, t->n_cells);
+  for (LitheIndex cell = 0; cell < t->n_cells; cell++)
+    if (t->cells[cell].is_live) seen[v->roots.root[cell]] |= v->side[cell];
+  for (LitheIndex cell = 0; cell < t->n_cells; cell++)
+    v->c->note->n_split += seen[cell] == (INSIDE | OUTSIDE);
+  lth_free(v->ctx, seen);
+  return LITHE_OK;
+}
+
+static LitheStatus remove_side(Carving *v) {
+  LthTopology *t = v->c->t;
+  int8_t kept = v->c->cut->keep == LTH_KEEP_INSIDE ? INSIDE : OUTSIDE;
+  LitheIndex n = 0;
+  if (v->c->cut->keep == LTH_KEEP_BOTH) return LITHE_OK;
+  LTH_NEW(v->ctx, v->gone, t->n_live_cells);
+  for (LitheIndex cell = 0; cell < t->n_cells; cell++)
+    if (t->cells[cell].is_live && v->side[cell] != kept) v->gone[n++] = cell;
+  v->c->note->n_removed = n;
+  return n > 0 ? lth_topology_remove(v->ctx, t, n, v->gone) : LITHE_OK;
+}
+
+static LitheStatus check_left(Carving *v, const LitheIndex n[2]) {
+  const LthSceneCut *cut = v->c->cut;
+  bool inside = cut->keep == LTH_KEEP_INSIDE;
+  if (cut->keep == LTH_KEEP_BOTH || n[inside] > 0) return LITHE_OK;
+  LITHE_FAIL(v->ctx, LITHE_BAD_INPUT,
+             "%s.carve: nothing is left of the body `%s`, no part of which is %s the solid%s; move "
+             "or turn it, or keep the other side",
+             cut->place, v->c->body->def->name, inside ? "inside" : "outside",
+             v->c->x ? " at this moment" : "");
+}
+
+static LitheStatus carve(Carving *v) {
+  const LthBody *body = v->c->body;
+  const LthShape *shape = &v->c->cut->carve;
+  LitheIndex n[2];
+  LITHE_TRY(lth_shape_tessellate(v->ctx, shape, body->cell_size / 4, &v->surface));
+  LITHE_TRY(lth_bvh_create_surface(v->ctx, v->surface, &v->bvh));
+  LITHE_TRY(lth_cut_roots_begin(v->ctx, v->c->t, &v->roots));
+  LITHE_TRY(divide_cells(v));
+  LITHE_TRY(find_sides(v, n));
+  LITHE_TRY(check_left(v, n));
+  LITHE_TRY(lth_cut_merge_roots(v->ctx, v->c, &v->roots, &v->side, &v->side_cap));
+  LITHE_TRY(count_split(v));
+  LITHE_TRY(part_sides(v));
+  return remove_side(v);
+}
+
+LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c) {
+  Carving v = {.c = c, .ctx = ctx};
+  LitheStatus status = carve(&v);
+  lth_bvh_destroy(ctx, &v.bvh);
+  lth_surface_destroy(ctx, &v.surface);
+  void *blocks[] = {v.roots.root, v.side, v.facets, v.planes, v.parts, v.gone};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  return status;
+}

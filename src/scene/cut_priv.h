@@ -1,0 +1,61 @@
+/// What the files of the cuts share.
+///   cut.c        when they are due, slivers, what is told
+///   cut_cells.c  cells near a plane, places of the moment, windows in planes, parts of cells
+///   cut_plane.c  plane cuts and blades
+///   cut_carve.c  cuts by another solid
+#pragma once
+
+#include "mesh/topology_section.h"
+#include "scene/cut.h"
+
+/// A cut of one body in progress.
+typedef struct LthCutting {
+  LthBody *body;
+  LthTopology *t;
+  const LthSceneCut *cut;
+  const double *x; ///< positions of the moment; NULL: places are those at rest
+  LitheIndex tag;
+  LthChangeNote *note;
+  LthSection section; ///< scratch
+} LthCutting;
+
+/// A plane as a cell sees it at rest; false where the cell is too flat to have one.
+bool lth_cutting_plane(const LthCutting *c, const LthPlane *plane, LitheIndex cell, LthPlane *rest);
+
+/// Where a place at rest of a cell is.
+void lth_cutting_place(const LthCutting *c, LitheIndex cell, const double rest[3], double at[3]);
+
+/// Does a plane pass a cell's box, made larger by a part of itself?
+bool lth_plane_passes(const LthTopologyCell *cell, const LthPlane *plane, double margin);
+
+/// A convex polygon in a plane, by its corners.
+typedef struct LthWindow {
+  int n;
+  double corner[4][2], origin[3], axis[2][3];
+} LthWindow;
+
+LthWindow lth_window_make(int n, const double *const corners[]);
+
+/// Has the part of the plane in a cell, as c->section has it at rest, more than corners and edges in common with a window?
+bool lth_cutting_meets(const LthCutting *c, LitheIndex cell, const LthWindow *window);
+
+/// Cells that came of one: numbers of `roots` for all records, -1: of none.
+typedef struct LthCutRoots {
+  LitheIndex n, n_births;
+  LitheIndex *root;
+  LitheCount cap;
+} LthCutRoots;
+
+/// Every live cell of now is its own root.
+LitheStatus lth_cut_roots_begin(LitheCtx *ctx, const LthTopology *t, LthCutRoots *roots);
+/// Give births the roots of their parents.
+LitheStatus lth_cut_roots_follow(LitheCtx *ctx, const LthTopology *t, LthCutRoots *roots);
+
+/// Merge cells of one root again where nothing parts them and `side` (by record, may be NULL) is the same.
+LitheStatus lth_cut_merge_roots(LitheCtx *ctx, LthCutting *c, LthCutRoots *roots, int8_t **side,
+                                LitheCount *side_cap);
+
+LitheStatus lth_cut_by_plane(LitheCtx *ctx, LthCutting *c);
+LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c);
+/// LITHE_BAD_INPUT: nothing is left of the body.
+LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c);

@@ -1,0 +1,186 @@
+/// Random cuts, blades and carves of random bodies that move: nothing moves at the moment of a cut, the topology keeps
+/// its invariants, and the matrix stays positive definite.
+#include "base/tensor.h"
+#include "mesh/topology.h"
+#include "scene/cut.h"
+#include "scene_text.h"
+
+#include <math.h>
+#include <time.h>
+
+#define CUTS 6
+#define STEP 0.01
+
+static uint64_t seed;
+
+static double random_unit(void) {
+  seed = seed * 6364136223846793005u + 1442695040888963407u;
+  return (double)(seed >> 11) * 0x1p-53;
+}
+
+static double between(double low, double high) { return low + (high - low) * random_unit(); }
+static int pick(int n) { return (int)(random_unit() * n); }
+
+/// Text that grows.
+typedef struct Text {
+  char at[8000];
+  size_t n;
+} Text;
+
+#define ADD(text, ...)                                                                             \
+  ((text)->n += (size_t)snprintf((text)->at + (text)->n, sizeof(text)->at - (text)->n, __VA_ARGS__))
+
+static void add_place(Text *t, double reach) {
+  ADD(t, "[%.3f, %.3f, %.3f]", between(-reach, reach), between(-reach, reach),
+      between(-reach, reach));
+}
+
+static void add_solid(Text *t, double size) {
+  switch (pick(4)) {
+  case 0:
+    ADD(t, "{sphere: {center: ");
+    add_place(t, 0.3 * size);
+    ADD(t, ", radius: %.3f}}", between(0.5, 1) * size);
+    break;
+  case 1:
+    ADD(t, "{box: {min: [%.3f, %.3f, %.3f], max: ", -between(0.3, 1) * size,
+        -between(0.3, 1) * size, -between(0.3, 1) * size);
+    ADD(t, "[%.3f, %.3f, %.3f]}}", between(0.3, 1) * size, between(0.3, 1) * size,
+        between(0.3, 1) * size);
+    break;
+  case 2:
+    ADD(t, "{capsule: {from: [%.3f, 0, %.3f], to: [%.3f, 0.1, 0], radius: %.3f}}",
+        -between(0.3, 0.8) * size, between(-0.3, 0.3) * size, between(0.3, 0.8) * size,
+        between(0.3, 0.6) * size);
+    break;
+  default:
+    ADD(t,
+        "{difference: [{box: {min: [-1, -0.7, -0.6], max: [1, 0.7, 0.6]}}, {cylinder: {from: "
+        "[%.3f, 0, -1], to: [0, %.3f, 1], radius: 0.3}}]}",
+        between(-0.3, 0.3), between(-0.3, 0.3));
+  }
+}
+
+static void add_cut(Text *t, int i) {
+  ADD(t, "  - {at: %g, space: %s, ", STEP * (i + 0.5), pick(2) ? "rest" : "deformed");
+  int kind = pick(10);
+  if (kind < 6) {
+    ADD(t, "plane: {point: ");
+    add_place(t, 0.5);
+    bool is_straight = pick(3) == 0;
+    double n[3] = {between(-1, 1), between(-1, 1), between(-1, 1)};
+    if (is_straight) n[0] = 1, n[1] = n[2] = 0;
+    ADD(t, ", normal: [%.4f, %.4f, %.4f]}", n[0], n[1], n[2] + (n[0] == 0));
+    if (pick(3) == 0) {
+      ADD(t, ", within: ");
+      add_solid(t, 0.6);
+    }
+  } else if (kind < 9) {
+    double x = between(-0.6, 0.4), y = between(-0.5, 0.5);
+    ADD(t, "blade: {path: [[%.3f, %.3f, -1.2], [%.3f, %.3f, -1.1], [%.3f, %.3f, -1.2]], ", x, y,
+        x + between(0.2, 0.5), y + between(-0.4, 0.4), x + between(0.6, 1), y + between(-0.6, 0.6));
+    ADD(t, "depth: [%.3f, %.3f, %.3f]}", between(-0.3, 0.3), between(-0.3, 0.3), between(0.6, 2.4));
+  } else {
+    ADD(t, "carve: ");
+    add_solid(t, 0.7);
+    ADD(t, ", keep: %s", pick(3) == 0 ? "outside" : "both");
+  }
+  ADD(t, "}\n");
+}
+
+static void write_scene(Text *t) {
+  t->n = 0;
+  ADD(t, "lithe: 1\nbodies:\n  - name: solid\n    shape: ");
+  add_solid(t, 1);
+  ADD(t,
+      "\n    material: {young_modulus: 1e4, poisson_ratio: %.2f, density: \"1000*(1+0.4*x)\"}\n"
+      "    method: {kind: dg, cells: %d, degree: %d, flux: %s, sliver: %s}\n",
+      between(0, 0.45), 2 + pick(3), 1 + pick(2), "ip", pick(2) ? "0.05" : "0.002");
+  ADD(t, "    initial: {velocity: [\"y\", \"1+x*3\", \"x-y\"], displacement: [\"0.05*y\", 0, "
+         "\"0.03*x*y\"]}\ngravity: [0, -9.81, 0]\ncuts:\n");
+  for (int i = 0; i < CUTS; i++) add_cut(t, i);
+  ADD(t, "time: {kind: dynamic, duration: 1, step: 0.01}\nsolver: {linear: cholesky}\n");
+  assert_true(t->n < sizeof t->at);
+}
+
+static void check_definite(LitheCtx *ctx, LthWorld *world) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  LthFactor *factor = NULL;
+  const LthBlockMatrix *A = lth_simulation_matrix(world->sim);
+  if (!engine) return;
+  CHECK_OK(ctx, engine->analyse(ctx, A, &factor));
+  CHECK_OK(ctx, engine->factorize(ctx, factor, A));
+  engine->destroy(ctx, &factor);
+}
+
+/// Momentum and kinetic energy go as they were, but for merged slivers and what was taken away.
+static void check_still(const LthWorld *world, const LthStepReport *before,
+                        const LthStepReport *after, LitheIndex n_notes) {
+  bool is_still = true;
+  double scale = sqrt(2 * before->kinetic_energy * world->bodies[0]->mass);
+  for (LitheIndex i = n_notes; i < world->n_notes; i++)
+    is_still = is_still && world->notes[i].n_merged == 0 && world->notes[i].n_removed == 0;
+  if (!is_still) return;
+  for (int a = 0; a < 3; a++) {
+    CHECK_NEAR(after->momentum[a], before->momentum[a], 1e-11 * scale);
+    CHECK_NEAR(after->angular_momentum[a], before->angular_momentum[a], 1e-11 * scale * 10);
+  }
+  CHECK_NEAR(after->kinetic_energy, before->kinetic_energy, 1e-11 * before->kinetic_energy);
+}
+
+static int run_body(void) {
+  static Text text;
+  uint64_t begin = seed;
+  int n_cuts = 0;
+  double times[2];
+  LthWorld *world = NULL;
+  write_scene(&text);
+  Reading r = read_with(text.at, 0, NULL);
+  if (r.status == LITHE_OK) r.status = lth_world_create(r.ctx, r.scene, times, &world);
+  for (int i = 0; i < CUTS && r.status == LITHE_OK; i++) {
+    bool changed;
+    LitheIndex n_notes = world->n_notes;
+    lth_simulation_measure(r.ctx, world->sim);
+    LthStepReport before = *lth_simulation_report(world->sim);
+    r.status = lth_world_cut_due(r.ctx, world, STEP * (i + 1), &changed);
+    bool is_gone =
+        r.status == LITHE_BAD_INPUT && strstr(lithe_ctx_message(r.ctx), "nothing is left");
+    if (is_gone) {
+      r.status = LITHE_OK;
+      break;
+    }
+    if (r.status != LITHE_OK) break;
+    r.status = lth_topology_check(r.ctx, world->bodies[0]->change->topology, 0, NULL);
+    lth_simulation_measure(r.ctx, world->sim);
+    LthStepReport after = *lth_simulation_report(world->sim);
+    check_still(world, &before, &after, n_notes);
+    n_cuts += changed;
+    if (r.status == LITHE_OK) r.status = lth_simulation_step(r.ctx, world->sim, STEP);
+    if (r.status == LITHE_OK) check_definite(r.ctx, world);
+  }
+  if (r.status != LITHE_OK)
+    fail_msg("LITHE_TEST_SEED=%llu: %s\n%s", (unsigned long long)begin, lithe_ctx_message(r.ctx),
+             text.at);
+  lth_world_destroy(r.ctx, &world);
+  end_reading(&r);
+  return n_cuts;
+}
+
+static void random_cuts_of_bodies_that_move_keep_what_they_must(void **state) {
+  (void)state;
+  const char *much = getenv("LITHE_TEST_OPERATIONS");
+  int n = much ? atoi(much) : 40, n_cuts = 0, n_bodies = 0;
+  for (; n_cuts < n && n_bodies < n; n_bodies++) n_cuts += run_body();
+  printf("%d cuts of %d bodies\n", n_cuts, n_bodies);
+  assert_true(n_cuts >= n);
+}
+
+int main(void) {
+  const char *fixed = getenv("LITHE_TEST_SEED");
+  seed = fixed ? strtoull(fixed, NULL, 10) : (uint64_t)time(NULL);
+  printf("LITHE_TEST_SEED=%llu\n", (unsigned long long)seed);
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(random_cuts_of_bodies_that_move_keep_what_they_must),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
