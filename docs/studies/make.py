@@ -16,6 +16,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HOME = ROOT / "docs/studies"
 GROUPS = {"kaufmann": "The paper's figures and table (Kaufmann et al. 2009)", "dolny": "The thesis' tables and figures (Dolny 2025)",
+          "adapt": "Elements that adapt",
           "validation": "The validation book: cases whose answer is known"}
 
 

@@ -45,13 +45,13 @@ static LitheStatus make_room(LitheCtx *ctx, LthAdapt *a, LitheCount n) {
   return LITHE_OK;
 }
 
-/// Is a look due after the step that is number n?
+/// Is a rule looked at after the step that is number n?
+static bool rule_is_due(const LthScene *scene, const LthSceneAdapt *rule, LitheCount n) {
+  return rule->is_on && (n % rule->every == 0 || scene->time_kind == LTH_TIME_STATIC);
+}
+
 static bool is_due(const LthScene *scene, LitheCount n) {
-  const LthSceneAdapt *rules[] = {&scene->adapt_h, &scene->adapt_p};
-  for (int i = 0; i < 2; i++)
-    if (rules[i]->is_on && (n % rules[i]->every == 0 || scene->time_kind == LTH_TIME_STATIC))
-      return true;
-  return false;
+  return rule_is_due(scene, &scene->adapt_h, n) || rule_is_due(scene, &scene->adapt_p, n);
 }
 
 LitheStatus lth_adapt_before_step(LitheCtx *ctx, LthWorld *world) {
@@ -195,7 +195,7 @@ static LitheStatus measure(LitheCtx *ctx, LthWorld *world, LitheIndex b, const d
   double **value[2] = {&values->h, &values->p};
   const double *a = acceleration ? acceleration + body->first : NULL;
   for (int i = 0; i < 2; i++) {
-    if (!rule[i]->is_on) continue;
+    if (!rule_is_due(scene, rule[i], world->adapt->n_steps)) continue;
     LTH_NEW(ctx, *value[i], body->mesh->n_cells);
     if (i == 1 && values->h && rule[0]->criterion == rule[1]->criterion)
       memcpy(values->p, values->h, sizeof *values->p * (size_t)body->mesh->n_cells);

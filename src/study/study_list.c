@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static const LthStudy *const groups[] = {lth_studies_kaufmann, lth_studies_dolny,
+static const LthStudy *const groups[] = {lth_studies_kaufmann, lth_studies_adapt, lth_studies_dolny,
                                          lth_studies_validation};
 
 const LthStudy *lth_study_at(LitheIndex i) {

@@ -35,6 +35,7 @@ struct LthStudy {
 extern const LthStudy lth_studies_validation[];
 extern const LthStudy lth_studies_dolny[];
 extern const LthStudy lth_studies_kaufmann[];
+extern const LthStudy lth_studies_adapt[];
 
 /// The figures of a run: result.json, parsed. Lives in the study's arena.
 typedef struct LthStudyResult {

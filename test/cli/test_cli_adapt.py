@@ -114,7 +114,7 @@ with folder() as d:
     expect("a_scene_cuts_and_adapts", body["divided"] > 0 and body["raised"] > 0 and
            result["topology"][0]["pieces"] == 2, result["adapt"])
     expect("both_keep_the_volume", abs(result["bodies"][0]["volume"] / 0.002 - 1) < 1e-13, result["bodies"])
-    got, result = solve(d, FALL, "--set", "colliders=[]", "--set", "gravity=[0, 0, 0]", "--set", "adapt.p.threshold=1e-9",
+    got, result = solve(d, FALL, "--set", "colliders=[]", "--set", "cuts=[]", "--set", "gravity=[0, 0, 0]", "--set", "adapt.p.threshold=1e-9",
                         "--set", "bodies.0.initial.velocity=['z', 'x', '0.1']", "--set", "adapt.h.threshold=1")
     rows = history(d)
     expect("momentum_stays", abs(rows[0]["momentum_y"] - 0.2) < 1e-12 and all(abs(rows[-1]["momentum_" + a] - rows[0]["momentum_" + a]) < 1e-10 *
