@@ -368,10 +368,67 @@ static void sliced_surfaces_stay_closed(void **state) {
   }
 }
 
+/// Memory hooks that fail from the n-th allocation on.
+static int allocations_left;
+static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
+  (void)user;
+  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
+}
+
+/// Memory may run out anywhere: it is told, and nothing is lost.
+static void running_out_of_memory_is_told(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  LthSurface *s = solid_torus(ctx, 1, 0.4, 8, 5);
+  LthMesh *mesh = NULL;
+  LthTopology *t = NULL;
+  LthGrid g = cubic_grid(s, 2);
+  CHECK_OK(ctx, lth_mesh_slice(ctx, s, &g, 0, &mesh));
+  LitheIndex point[40], off[81], poly[80];
+  for (LitheIndex i = 0; i <= 80; i++) off[i] = 3 * i;
+  for (LitheIndex i = 0; i < 80; i++) poly[i] = i;
+  for (LitheIndex i = 0; i < 40; i++) point[i] = i;
+  LthSoup soup = {
+      .n_points = 40, .n_polys = 80, .points = s->points, .poly_off = off, .poly_point = s->tris};
+  add_texture(ctx, &soup);
+  LthPlane plane = {{0, 0, 0}, {0.6, 0, 0.8}};
+  for (int n = 0, done = 0; !done; n++) {
+    LitheCtxDef ctx_def = lithe_ctx_def_default();
+    LthSkin *skin = NULL;
+    CHECK_OK(ctx, lth_topology_create(ctx, mesh, &t));
+    LthSkinDef def = {.topology = t,
+                      .soup = &soup,
+                      .point = point,
+                      .n_facets = 80,
+                      .facet_poly = poly,
+                      .face_facet = mesh->face_tag,
+                      .n_faces = mesh->n_faces};
+    ctx_def.allocate = failing_allocate;
+    allocations_left = n;
+    LitheCtx *failing = lithe_ctx_create(&ctx_def);
+    LitheStatus status = failing ? lth_skin_create(failing, &def, &skin) : LITHE_NO_MEMORY;
+    topology_cut_all(ctx, t, &plane, LTH_TAG_CUT);
+    if (status == LITHE_OK) status = lth_skin_follow(failing, skin, t);
+    if (status == LITHE_OK) status = lth_skin_update(failing, skin, t);
+    done = status == LITHE_OK;
+    assert_true(done || status == LITHE_NO_MEMORY);
+    lth_skin_destroy(failing, &skin);
+    if (failing) assert_int_equal(lth_alloc_bytes(failing), 0);
+    lithe_ctx_destroy(&failing);
+    lth_topology_destroy(ctx, &t);
+  }
+  lth_free(ctx, soup.uvs);
+  lth_free(ctx, soup.poly_uv);
+  lth_mesh_destroy(ctx, &mesh);
+  solid_free(ctx, &s);
+  lithe_ctx_destroy(&ctx);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_cube_falls_into_two_boxes),
       cmocka_unit_test(a_cut_may_end_inside_a_polygon),
+      cmocka_unit_test(running_out_of_memory_is_told),
       cmocka_unit_test(sliced_surfaces_stay_closed),
       cmocka_unit_test(surfaces_stay_closed_under_random_operations),
   };
