@@ -34,7 +34,9 @@ def read(folder):
 
 
 def order():
-    listed = subprocess.run([ROOT / "build/release/apps/lithe/lithe", "study"], capture_output=True, text=True, check=True)
+    """Names of all studies by the newest build."""
+    built = max((ROOT / "build").glob("*/apps/lithe/lithe"), key=lambda p: p.stat().st_mtime)
+    listed = subprocess.run([built, "study"], capture_output=True, text=True, check=True)
     return [line.split()[0] for line in listed.stdout.splitlines() if line.startswith("  ")]
 
 
