@@ -229,6 +229,46 @@ static LitheStatus part(LitheCtx *ctx, Solid *s) {
   return LITHE_OK;
 }
 
+// ------------------------------------------------------------------ taking away
+
+/// Cells of the solid that lay in the body as it was (body->mesh) and do not in what is left of it.
+static LitheStatus find_gone(LitheCtx *ctx, const Solid *s, LitheIndex *n, LitheIndex *gone) {
+  LthCellSearch *before = NULL;
+  LITHE_TRY(lth_cell_search_create(ctx, s->body->mesh, &before));
+  for (LitheIndex i = 0; i < s->t->n_cells; i++) {
+    bool was_inside = false, is_inside = false;
+    if (!s->t->cells[i].is_live) continue;
+    lth_cell_search_find(s->search, s->t->cells[i].centroid, &is_inside);
+    if (!is_inside) lth_cell_search_find(before, s->t->cells[i].centroid, &was_inside);
+    if (was_inside) gone[(*n)++] = i;
+  }
+  lth_cell_search_destroy(ctx, &before);
+  return LITHE_OK;
+}
+
+/// Part some cells from all others, and take them away. A surface that would be gone altogether stays.
+static LitheStatus take_away(LitheCtx *ctx, Solid *s) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex n = 0, *gone = NULL, n_faces = s->t->n_faces,
+             tag = LTH_TAG_CUT - (s->body->change->n_cuts - 1);
+  bool *is_gone = NULL;
+  LTH_NEW_OR(done, ctx, gone, s->t->n_live_cells);
+  LTH_NEW_OR(done, ctx, is_gone, s->t->n_cells);
+  LITHE_TRY_OR(done, find_gone(ctx, s, &n, gone));
+  if (n == 0 || n == s->t->n_live_cells) goto done;
+  for (LitheIndex i = 0; i < n; i++) is_gone[gone[i]] = true;
+  for (LitheIndex i = 0; i < n_faces; i++) {
+    const LthTopologyFace *f = s->t->faces + i;
+    if (f->is_live && f->cell[1] >= 0 && is_gone[f->cell[0]] != is_gone[f->cell[1]])
+      LITHE_TRY_OR(done, lth_topology_separate(ctx, s->t, i, tag, NULL));
+  }
+  status = lth_topology_remove(ctx, s->t, n, gone);
+done:
+  lth_free(ctx, gone);
+  lth_free(ctx, is_gone);
+  return status;
+}
+
 // ------------------------------------------------------------------ points
 
 /// The element that a point follows: the one around it, on its side of the cuts.
@@ -263,6 +303,7 @@ static LitheStatus cut_as_body(LitheCtx *ctx, Solid *s) {
   LITHE_TRY(find_faces(ctx, s));
   LITHE_TRY(lth_around_create(ctx, s->mesh, &s->around));
   LITHE_TRY(divide_all(ctx, s));
+  LITHE_TRY(take_away(ctx, s));
   LITHE_TRY(find_hosts(ctx, s));
   return part(ctx, s);
 }

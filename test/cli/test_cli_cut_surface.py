@@ -154,6 +154,16 @@ with folder() as d:
     expect("ply_is_written_as_well", os.path.exists(os.path.join(out, "surface_0006.ply")), None)
     expect("without_a_cache_there_is_nothing_to_tell", "surface" not in result["bodies"][0], result["bodies"][0])
 
+with folder() as d:
+    ball(os.path.join(d, "ball.obj"), (0.1, 0.052, 0.05), 0.047)
+    head, tail = BLOCK.split("cuts:")
+    solve(d, head + "cuts: [{at: 0, carve: {box: {min: [-1, -1, -1], max: [0.09, 1, 1]}}, keep: inside}]\ntime:" + tail.split("time:")[1])
+    left = Surface(os.path.join(d, "out", "surface_0000.obj"))
+    h = 0.09 - 0.053
+    cap = math.pi * h * h * (3 * 0.047 - h) / 3
+    expect("what_a_carve_takes_away_takes_its_surface_along", not left.open_edges() and abs(left.volume() / cap - 1) < 0.04,
+           (left.volume(), cap))
+
 check_resumes("cut ball", BALL, [(2, signal.SIGKILL), (4, signal.SIGKILL), (6, signal.SIGINT)])
 with folder() as d:
     ball(os.path.join(d, "ball.obj"), (0.1, 0.052, 0.05), 0.047)
