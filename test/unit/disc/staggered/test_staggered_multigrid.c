@@ -309,7 +309,30 @@ static void the_solver_of_the_table_is_that_of_the_assembled_matrix(void **state
   check_table(3);
 }
 
-int main(void) {
+/// The table of the theory, section 6: no more iterations than sweeps over blocks of the four unknowns around a corner count, up to
+/// 512 cells, and in space, where the theory has none, than point sweeps in the plane.
+static void iterations_are_no_more_than_the_theory_counts(void **state) {
+  (void)state;
+  static const struct {
+    double nu;
+    int bound[4];
+  } table[] = {{0.3, {9, 10, 10, 11}}, {0.45, {11, 12, 12, 13}}, {0.49, {13, 13, 14, 15}}};
+  for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+    ShapeDef def = ring;
+    def.n = 64;
+    def.nu = table[i].nu;
+    check_iterations(def, 4, table[i].bound);
+  }
+  ShapeDef def = ball;
+  check_iterations(def, 3, (int[]){12, 13, 13});
+}
+
+int main(int argc, char **argv) {
+  (void)argv;
+  const struct CMUnitTest long_tests[] = {
+      cmocka_unit_test(iterations_are_no_more_than_the_theory_counts),
+  };
+  if (argc > 1) return cmocka_run_group_tests(long_tests, NULL, NULL);
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_cycle_is_symmetric_and_definite),
       cmocka_unit_test(iterations_in_2d_stay_within_those_of_block_sweeps),
