@@ -92,6 +92,9 @@ void lth_contact_destroy(LitheCtx *ctx, LthContact **contact);
 /// Bodies of a contact: 1 with colliders and among the parts of a body, else 2.
 int lth_contact_sides(const LthContact *contact);
 
+/// Among the parts of one body: its forces sum up to nothing there.
+bool lth_contact_is_within(const LthContact *contact);
+
 /// Where a body stands in the vectors and diagonal blocks given to the functions below; 0 at first.
 void lth_contact_place(LthContact *contact, int side, LitheCount first_dof, LitheCount first_block);
 

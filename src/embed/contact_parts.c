@@ -243,6 +243,10 @@ static const LthContactKind parts_kind = {.begin = parts_begin,
                                           .move_anchor = parts_move_anchor,
                                           .destroy = parts_destroy};
 
+bool lth_contact_is_within(const LthContact *c) {
+  return c->kind == &parts_kind && c->n_sides == 1;
+}
+
 static double parts_stiffness(const LthPartsDef *def) {
   const LthPartsSide *a = &def->side[0], *b = &def->side[def->n_sides - 1];
   return lth_contact_pair_stiffness(

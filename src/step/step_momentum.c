@@ -61,15 +61,27 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   }
 }
 
+/// Some contact pushes a body from outside: what the step's impulse is only the solution tells.
+static bool is_pushed(const LthSimulation *s) {
+  for (LitheIndex c = 0; s->contact_on && c < s->system->n_contacts; c++) {
+    LitheIndex n;
+    double penetration, force;
+    lth_contact_report(s->system->contacts[c], &n, &penetration, &force);
+    if (n > 0 && !lth_contact_is_within(s->system->contacts[c])) return true;
+  }
+  return false;
+}
+
 void lth_stage_balance(LthSimulation *s, double dt) {
   const LthSystem *system = s->system;
   const LthStage *g = &s->stage;
-  if (s->contact_on) return;
+  if (is_pushed(s)) return;
   double *missing = s->scratch;
   lth_system_apply_mass(system, s->solution, s->rhs);
   for (LitheCount i = 0; i < s->n; i++) missing[i] = g->p[i] + g->H * s->f_ext[i] - s->rhs[i];
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     if (s->rigid.is_free[b] && s->rigid.group[b] == b) balance_momentum(s, b, missing);
+  if (s->contact_on) return;
   for (LitheIndex b = 0; b < system->n_bodies; b++)
     if (s->rigid.is_free[b] && s->rigid.is_alone[b] && system->bodies[b].warped)
       balance_angular(s, b, dt);

@@ -5,8 +5,8 @@ import os
 
 from cli import done, expect, folder, run
 
-FIGURES = ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7-ears", "fig8", "fig9", "fig11", "fig12", "table1", "warp"]
-SHORT = ["fig2", "fig4", "fig5", "fig6", "fig11", "fig12"]
+FIGURES = ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7-ears", "fig7-slices", "fig8", "fig9", "fig10-pencil", "fig11", "fig12", "slivers", "table1", "warp"]
+SHORT = ["fig10-pencil", "slivers", "fig2", "fig4", "fig5", "fig6", "fig11", "fig12"]
 names = [line.split()[0] for line in run("study").stdout.splitlines() if line.startswith("  ")]
 expect("every_figure_is_listed", set("kaufmann/" + f for f in FIGURES) <= set(names), names)
 with folder() as home:
