@@ -4,7 +4,7 @@
 usage: render_result.py RESULT_DIR PICTURE.png [--frames 0,4,20] [--what surface|elements|cut|grid] ...
 Needs a display: without one, put `xvfb-run -a` in front.
 
-surface: the embedded surface (surface.obj + surface.pc2); elements: the polyhedra of fields_*.vtu;
+surface: the embedded surface (surface.obj + surface.pc2, or numbered surface_*.obj); elements: the polyhedra of fields_*.vtu;
 cut: the polyhedra in front of the middle left away; shrunk elements show that they are separate.
 grid: cells of fields_*.vti that are more than half full, moved by their displacement (times --warp), in space or in the plane.
 """
@@ -21,7 +21,12 @@ import numpy as np
 def read_surfaces(folder, frame):
     """The embedded surfaces of all bodies."""
     all_bodies = vtk.vtkAppendPolyData()
-    for obj in sorted(glob.glob(os.path.join(folder, "*surface.obj"))):
+    for obj in sorted(glob.glob(os.path.join(folder, "*surface_%04d.obj" % frame))):
+        reader = vtk.vtkOBJReader()
+        reader.SetFileName(obj)
+        reader.Update()
+        all_bodies.AddInputData(reader.GetOutput())
+    for obj in sorted(glob.glob(os.path.join(folder, "*surface.obj"))) if not all_bodies.GetNumberOfInputConnections(0) else []:
         all_bodies.AddInputData(read_surface(obj[:-len(".obj")], frame))
     all_bodies.Update()
     return all_bodies.GetOutput()

@@ -28,3 +28,6 @@ $render out/two-bunnies docs/pictures/two-bunnies.png --frames 0,7,10,14 --floor
 "$lithe" run scenes/bar-adapt.yaml -o out/bar-adapt
 $render out/bar-adapt docs/pictures/bar-adapt.png --what elements --shrink 0.97 --up z --azimuth 15 --frames 0,15,24,35 \
   --size 460x380 --zoom 1.25
+
+"$lithe" run scenes/bunny-cut.yaml -o out/bunny-cut
+$render out/bunny-cut docs/pictures/bunny-cut.png --frames 0,4,9,14,20,32 --floor 0 --zoom 1.2 --colour none --size 300x320
