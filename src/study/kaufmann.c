@@ -34,6 +34,8 @@ const LthStudy lth_studies_kaufmann[] = {
      lth_study_slices},
     {"kaufmann/fig10-pencil", "One element, sharpened",
      "Is an element of any shape exact, closed and well conditioned?", lth_study_pencil},
+    {"kaufmann/fig10-carve", "Carved out of a cube",
+     "Is what is carved by many planes the solid itself, and do both sides fit?", lth_study_carve},
     {"kaufmann/slivers", "Slivers, merged", "What does merging slivers do to condition numbers?",
      lth_study_slivers},
     {"kaufmann/fig11", "A small element", "Does the condition number grow as one element shrinks?",

@@ -12,21 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/// Largest gap of any cell over its area: the sum of its faces' area vectors, which is zero for a closed one.
-static double largest_gap(const LthMesh *m) {
-  double largest = 0;
-  for (LitheIndex c = 0; c < m->n_cells; c++) {
-    double sum[3] = {0, 0, 0}, area = 0;
-    for (LitheIndex i = m->cell_face_off[c]; i < m->cell_face_off[c + 1]; i++) {
-      LitheIndex f = m->cell_face[i];
-      area += m->face_area[f];
-      lth_v3_axpy(lth_mesh_side(m, f, c) * m->face_area[f], m->face_normal + 3 * (size_t)f, sum);
-    }
-    largest = fmax(largest, lth_v3_norm(sum) / area);
-  }
-  return largest;
-}
-
 /// Largest eigenvalue of the stiffness of a free body over the smallest that is not that of a rigid motion.
 static LitheStatus condition_of(LitheCtx *ctx, const LthMesh *mesh, double *condition) {
   LitheStatus status = LITHE_OK;
@@ -175,10 +160,12 @@ static LitheStatus sharpen_all(LthStudyRun *run, Pencil *p, LthTable *t) {
     lth_mesh_destroy(ctx, &p->mesh);
     LITHE_TRY(lth_topology_mesh(ctx, p->topology, 1, &cell, &p->mesh, NULL, NULL));
     LITHE_TRY(condition_of(ctx, p->mesh, &condition));
+    LthMeshQuality quality;
+    LITHE_TRY(lth_mesh_quality(ctx, p->mesh, &quality));
     const double volume = p->mesh->cell_volume[0], exact = exact_volume(k);
     lth_table_row(t, NULL,
-                  (double[]){k, p->mesh->n_faces, volume, fabs(volume / exact - 1),
-                             largest_gap(p->mesh), condition});
+                  (double[]){k, p->mesh->n_faces, volume, fabs(volume / exact - 1), quality.max_gap,
+                             condition});
     if (k != 0 && k != 4 && k != 8 && k != 16) continue;
     const double box[4] = {-0.2, -0.8, LENGTH + 0.2, 0.8};
     lth_draw_panel(&p->drawing, box, 20,
@@ -290,15 +277,16 @@ static LitheStatus slice(LthStudyRun *run, int cells, Slices *s, LthTable *t) {
       LITHE_TRY(lth_topology_forget(ctx, s->topology));
     }
   }
-  double seconds = lth_now() - start, sum = 0;
+  LthMeshQuality quality;
+  double seconds = lth_now() - start;
   LITHE_TRY(lth_topology_check(ctx, s->topology, 0, NULL));
   lth_mesh_destroy(ctx, &s->mesh);
   LITHE_TRY(lth_topology_mesh(ctx, s->topology, 0, NULL, &s->mesh, NULL, NULL));
-  for (LitheIndex c = 0; c < s->mesh->n_cells; c++) sum += s->mesh->cell_volume[c];
+  LITHE_TRY(lth_mesh_quality(ctx, s->mesh, &quality));
   fit(s->mesh, n_cuts, (const double(*)[3])normal, &misfit);
   lth_table_row(t, NULL,
-                (double[]){cells, n_cuts, s->mesh->n_cells, fabs(sum / volume - 1), misfit,
-                           largest_gap(s->mesh), seconds});
+                (double[]){cells, n_cuts, s->mesh->n_cells, fabs(quality.volume / volume - 1),
+                           misfit, quality.max_gap, seconds});
   return LITHE_OK;
 }
 

@@ -12,6 +12,7 @@ LitheStatus lth_study_contact(LthStudyRun *run);     ///< Fig. 6
 LitheStatus lth_study_ears(LthStudyRun *run);        ///< Fig. 7
 LitheStatus lth_study_slices(LthStudyRun *run);      ///< Fig. 7
 LitheStatus lth_study_pencil(LthStudyRun *run);      ///< Fig. 10, left
+LitheStatus lth_study_carve(LthStudyRun *run);       ///< Fig. 10, right
 LitheStatus lth_study_slivers(LthStudyRun *run);     ///< section 9.6
 LitheStatus lth_study_table_1(LthStudyRun *run);
 LitheStatus lth_study_refinement(LthStudyRun *run); ///< Fig. 8
