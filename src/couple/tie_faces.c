@@ -21,26 +21,12 @@ typedef struct TieFaces {
 /// Cells of one body that meet the overlap, ascending and once each, behind the `n` there are.
 static LitheIndex list_cells(const LthTieDef *def, const LthOverlap *o, int side, LitheIndex n,
                              TieFaces *t) {
-  LitheIndex first = n, kept = n;
+  LitheIndex first = n;
   for (LitheIndex i = 0; i < o->pieces.n; i++)
     t->of[n++] = lth_tie_cell(&def->side[side], o->patch[2 * i + side]);
-  qsort(t->of + first, (size_t)(n - first), sizeof *t->of, lth_compare_index);
-  for (LitheIndex i = first; i < n; i++)
-    if (i == first || t->of[i] != t->of[kept - 1]) t->of[kept++] = t->of[i];
+  const LitheIndex kept = first + lth_sort_unique(t->of + first, n - first);
   for (LitheIndex i = first; i < kept; i++) t->from[i] = (uint8_t)side;
   return kept;
-}
-
-/// Place of a body's cell among the cells here.
-static LitheIndex find_cell(const TieFaces *t, LitheIndex first, LitheIndex last, LitheIndex cell) {
-  while (first < last) {
-    LitheIndex middle = first + (last - first) / 2;
-    if (t->of[middle] < cell)
-      first = middle + 1;
-    else
-      last = middle;
-  }
-  return first;
 }
 
 static LitheStatus copy_faces(LitheCtx *ctx, const LthTieDef *def, const LthOverlap *o,
@@ -62,8 +48,8 @@ static LitheStatus copy_faces(LitheCtx *ctx, const LthTieDef *def, const LthOver
   for (LitheIndex f = 0; f < p->n; f++) {
     LitheIndex face = def->side[0].patches->face[o->patch[2 * f]];
     for (int s = 0; s < 2; s++)
-      m->face_cell[2 * f + s] =
-          find_cell(t, first[s], first[s + 1], lth_tie_cell(&def->side[s], o->patch[2 * f + s]));
+      m->face_cell[2 * f + s] = (LitheIndex)lth_lower_bound(
+          t->of, first[s], first[s + 1], lth_tie_cell(&def->side[s], o->patch[2 * f + s]));
     lth_v3_copy(def->side[0].disc->mesh->face_normal + 3 * (size_t)face,
                 m->face_normal + 3 * (size_t)f);
     LthFaceView view = lth_mesh_face(m, f);

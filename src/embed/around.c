@@ -2,6 +2,7 @@
 #include "embed/around.h"
 
 #include "base/disjoint_sets.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 
@@ -73,15 +74,7 @@ static bool mark_boundary(Making *w) {
 }
 
 static LitheIndex find_entry(const LthAround *at, LitheIndex p, LitheIndex cell) {
-  LitheIndex low = (LitheIndex)at->off[p], high = (LitheIndex)at->off[p + 1] - 1;
-  while (low < high) {
-    LitheIndex middle = low + (high - low) / 2;
-    if (at->cell[middle] < cell)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
+  return (LitheIndex)lth_lower_bound(at->cell, at->off[p], at->off[p + 1], cell);
 }
 
 /// The two cells of an inner face hang together at all its points.

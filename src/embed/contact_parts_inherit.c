@@ -62,7 +62,7 @@ static LitheStatus list_places(LitheCtx *ctx, const LthParts *parts, int side, P
     for (LitheIndex i = part->tri_spot[0]; i < part->tri_spot[part->surface.n_tris]; i++)
       place_spot(parts, k, i, &(*list)[n++]);
   }
-  qsort(*list, (size_t)n, sizeof **list, compare_places);
+  if (n > 0) qsort(*list, (size_t)n, sizeof **list, compare_places);
   return LITHE_OK;
 }
 

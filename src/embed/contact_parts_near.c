@@ -1,4 +1,5 @@
 /// Which parts of bodies are near each other: boxes sorted along an axis, so that many parts cost little more than few.
+#include "base/order.h"
 #include "base/tensor.h"
 #include "embed/contact_parts.h"
 
@@ -111,13 +112,9 @@ LitheStatus lth_parts_find_near(LitheCtx *ctx, LthContact *c) {
     }
   }
   // as touches come: by side, other, point
-  qsort(parts->near, (size_t)parts->n_near, sizeof *parts->near, compare_near);
+  if (parts->n_near > 0)
+    qsort(parts->near, (size_t)parts->n_near, sizeof *parts->near, compare_near);
   return LITHE_OK;
-}
-
-static int compare_index(const void *a, const void *b) {
-  const LitheIndex *p = a, *q = b;
-  return (*p > *q) - (*p < *q);
 }
 
 LitheStatus lth_parts_find_tris(LitheCtx *ctx, LthParts *parts, const LthPart *mine,
@@ -139,6 +136,6 @@ LitheStatus lth_parts_find_tris(LitheCtx *ctx, LthParts *parts, const LthPart *m
     for (LitheIndex i = 0; i < bvh->count[node]; i++)
       parts->tri[parts->n_tri++] = bvh->item[bvh->first[node] + i];
   }
-  qsort(parts->tri, (size_t)parts->n_tri, sizeof *parts->tri, compare_index);
+  parts->n_tri = lth_sort_unique(parts->tri, parts->n_tri);
   return LITHE_OK;
 }

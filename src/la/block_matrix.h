@@ -52,3 +52,7 @@ double lth_block_matrix_asymmetry(const LthBlockMatrix *A);
 /// 2-norm condition number of a symmetric positive definite A: dense eigenvalues (LAPACK) up to 3000
 /// unknowns, Lanczos with a Cholesky factor beyond. LITHE_BAD_INPUT where A is not definite.
 LitheStatus lth_block_matrix_condition(LitheCtx *ctx, const LthBlockMatrix *A, double *condition);
+
+/// The same without the `n_zero` smallest eigenvalues: six are those of rigid motions. By dense eigenvalues: for small A.
+LitheStatus lth_block_matrix_condition_beyond(LitheCtx *ctx, const LthBlockMatrix *A, int n_zero,
+                                              double *condition);

@@ -35,7 +35,8 @@ static LitheStatus from_extremes(LitheCtx *ctx, double smallest, double largest,
   return LITHE_OK;
 }
 
-static LitheStatus dense_condition(LitheCtx *ctx, const LthBlockMatrix *A, double *condition) {
+LitheStatus lth_block_matrix_condition_beyond(LitheCtx *ctx, const LthBlockMatrix *A, int n_zero,
+                                              double *condition) {
   LitheStatus status = LITHE_OK;
   double *dense = NULL, *eigenvalue = NULL;
   LTH_NEW_OR(done, ctx, dense, A->n * A->n);
@@ -47,7 +48,7 @@ static LitheStatus dense_condition(LitheCtx *ctx, const LthBlockMatrix *A, doubl
   if (info != 0)
     status = lth_fail(ctx, LITHE_NOT_CONVERGED, "condition number: LAPACK's dsyevd gave %d", info);
   else
-    status = from_extremes(ctx, eigenvalue[0], eigenvalue[A->n - 1], condition);
+    status = from_extremes(ctx, eigenvalue[n_zero], eigenvalue[A->n - 1], condition);
 done:
   lth_free(ctx, dense);
   lth_free(ctx, eigenvalue);
@@ -156,6 +157,6 @@ done:
 }
 
 LitheStatus lth_block_matrix_condition(LitheCtx *ctx, const LthBlockMatrix *A, double *condition) {
-  return A->n <= DENSE_LIMIT ? dense_condition(ctx, A, condition)
+  return A->n <= DENSE_LIMIT ? lth_block_matrix_condition_beyond(ctx, A, 0, condition)
                              : lanczos_condition(ctx, A, condition);
 }

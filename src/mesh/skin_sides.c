@@ -24,15 +24,9 @@ static LitheStatus mark_points(LitheCtx *ctx, SkinWork *w) {
 typedef enum Pass { COUNT, ENTER, JOIN } Pass;
 
 static LitheIndex find_entry(const SkinWork *w, LitheIndex cut_point, LitheIndex cell) {
-  LitheIndex low = (LitheIndex)w->off[cut_point], high = (LitheIndex)w->off[cut_point + 1] - 1;
-  while (low < high) {
-    LitheIndex middle = low + (high - low) / 2;
-    if (w->cell[middle] < cell)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low <= high && w->cell[low] == cell ? low : -1;
+  LitheCount end = w->off[cut_point + 1],
+             at = lth_lower_bound(w->cell, w->off[cut_point], end, cell);
+  return at < end && w->cell[at] == cell ? (LitheIndex)at : -1;
 }
 
 static void visit_corner(SkinWork *w, Pass pass, const LitheIndex cell[2], LitheIndex k) {

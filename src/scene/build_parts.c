@@ -4,8 +4,8 @@
 
 #include "base/disjoint_sets.h"
 #include "base/tensor.h"
-#include "geometry/polygon.h"
 #include "geometry/face_polygon.h"
+#include "geometry/polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -254,7 +254,7 @@ static LitheStatus list_bounds(LitheCtx *ctx, const LthBody *body, const LthBody
       (*bounds)[(*n)++] = (Bound){parts->first_point[k] + s->tris[h],
                                   body->mesh->face_cell[2 * s->tri_poly[h / 3]]};
   }
-  qsort(*bounds, (size_t)*n, sizeof **bounds, compare_bounds);
+  if (*n > 0) qsort(*bounds, (size_t)*n, sizeof **bounds, compare_bounds);
   return LITHE_OK;
 }
 

@@ -83,6 +83,7 @@ done:
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LthSurface *made = NULL;
+  if (body->touch) return LITHE_OK; // for another body
   if (body->staggered) LITHE_TRY(lth_body_make_surface(ctx, body));
   const LthSurface *from = body->surface;
   if (!from) {

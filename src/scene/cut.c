@@ -1,15 +1,48 @@
 /// Cuts of a scene: when they are due, the slivers that they leave, and what is told of them.
 #include "scene/cut_priv.h"
 
+#include "base/order.h"
+
 #include <math.h>
+#include <stdlib.h>
 
 #define ROUNDING 1e-9 ///< of a time: two that differ by less are the same
+
+/// Crumbs that hang on nothing are taken away below this share of the body's volume, or thinner than this share of its
+/// size: their corners are off by rounding, and integrals over them need its fourth power.
+#define CRUMB_VOLUME 1e-12
+#define CRUMB_THICKNESS 1e-9
+
 static LthChangeNote note_of(const LthWorld *world, LitheIndex i, LitheIndex b) {
   static const LthChangeKind kinds[] = {LTH_CHANGE_PLANE, LTH_CHANGE_BLADE, LTH_CHANGE_CARVE};
   return (LthChangeNote){.kind = kinds[world->scene->cuts[i].kind],
                          .t = world->sim ? lth_simulation_time(world->sim) : 0,
                          .body = b,
                          .cut = i};
+}
+
+static bool is_crumb(const LthTopology *t, LitheIndex cell) {
+  const LthTopologyCell *c = t->cells + cell;
+  const LitheIndex *faces = lth_topology_cell_faces(t, cell);
+  if (!c->is_live) return false;
+  for (LitheIndex i = 0; i < c->n_faces; i++)
+    if (t->faces[faces[i]].cell[1] >= 0) return false;
+  return c->volume < CRUMB_VOLUME * t->volume ||
+         c->volume < CRUMB_THICKNESS * cbrt(t->volume) * c->area;
+}
+
+/// Take away the crumbs that a cut has made.
+static LitheStatus sweep(LitheCtx *ctx, LthCutting *c) {
+  LthTopology *t = c->t;
+  LitheIndex *crumbs = NULL, n = 0;
+  LTH_NEW(ctx, crumbs, t->log.n_births);
+  for (LitheIndex i = 0; i < t->log.n_births; i++)
+    if (is_crumb(t, t->log.births[i].cell)) crumbs[n++] = t->log.births[i].cell;
+  n = lth_sort_unique(crumbs, n); // merged cells have a birth from each parent
+  LitheStatus status = n > 0 ? lth_topology_remove(ctx, t, n, crumbs) : LITHE_OK;
+  c->note->n_removed += n;
+  lth_free(ctx, crumbs);
+  return status;
 }
 
 /// One cut of one body.
@@ -31,6 +64,7 @@ static LitheStatus cut_body(LitheCtx *ctx, LthWorld *world, LitheIndex i, LitheI
   if (note.n_split + note.n_separated + note.n_removed == 0) return LITHE_OK;
   *any = true;
   LITHE_TRY(lth_body_count_cut(ctx, body, note.n_removed > 0));
+  LITHE_TRY(sweep(ctx, &c));
   return lth_world_note(ctx, world, &note);
 }
 

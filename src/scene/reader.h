@@ -165,12 +165,12 @@ LitheStatus lth_read_embed(LthReader *r, const LthNode *node, const LthPlacement
                            LthSceneBody *body);
 /// Which body has this name, -1: none, which has been reported.
 LitheIndex lth_find_body(LthReader *r, LthNode *name); // read_tie.c
-LitheStatus lth_read_ties(LthReader *r);      // read_tie.c, after the bodies
-LitheStatus lth_read_cuts(LthReader *r);      // read_cut.c, after the bodies
-LitheStatus lth_read_colliders(LthReader *r); // read_collider.c
+LitheStatus lth_read_ties(LthReader *r);               // read_tie.c, after the bodies
+LitheStatus lth_read_cuts(LthReader *r);               // read_cut.c, after the bodies
+LitheStatus lth_read_colliders(LthReader *r);          // read_collider.c
 LitheStatus lth_read_motion(LthReader *r, const LthNode *motion, LthCollider *collider);
 void lth_read_adapt(LthReader *r); // read_adapt.c, after the bodies
-void lth_read_time(LthReader *r); // read_run.c
+void lth_read_time(LthReader *r);  // read_run.c
 void lth_read_solver(LthReader *r);
 void lth_read_contact(LthReader *r);
 void lth_read_probes(LthReader *r);

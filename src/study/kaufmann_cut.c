@@ -4,11 +4,9 @@
 #include "base/tensor.h"
 #include "disc/dg/dg_operator.h"
 #include "io/surface_file.h"
-#include "la/blas_threads.h"
 #include "mesh/topology.h"
 #include "study/draw.h"
 
-#include <lapacke.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -18,8 +16,7 @@ static LitheStatus condition_of(LitheCtx *ctx, const LthMesh *mesh, double *cond
   LthDgSpace *space = NULL;
   LthDgOperator *op = NULL;
   LthBlockMatrix *K = NULL;
-  double *constants = NULL, *f0 = NULL, *dense = NULL, *value = NULL;
-  int threads = lth_blas_one_thread();
+  double *constants = NULL, *f0 = NULL;
   LTH_NEW_OR(done, ctx, constants, 2 * (LitheCount)mesh->n_cells);
   for (LitheIndex c = 0; c < mesh->n_cells; c++)
     constants[c] = 1, constants[mesh->n_cells + c] = 0.3;
@@ -32,29 +29,11 @@ static LitheStatus condition_of(LitheCtx *ctx, const LthMesh *mesh, double *cond
   LITHE_TRY_OR(done, lth_dg_operator_create(ctx, &def, &op));
   LITHE_TRY_OR(done, lth_dg_matrix_create(ctx, op, &K));
   LTH_NEW_OR(done, ctx, f0, K->n);
-  LTH_NEW_OR(done, ctx, dense, K->n * K->n);
-  LTH_NEW_OR(done, ctx, value, K->n);
   lth_dg_assemble(op, 0, K, f0);
-  for (LitheIndex row = 0; row < K->n_rows; row++)
-    for (LitheCount e = K->block_off[row]; e < K->block_off[row + 1]; e++) {
-      LitheIndex col = K->block_col[e];
-      LitheCount m = K->row_off[row + 1] - K->row_off[row],
-                 n = K->row_off[col + 1] - K->row_off[col];
-      for (LitheCount i = 0; i < m; i++)
-        memcpy(dense + (K->row_off[row] + i) * K->n + K->row_off[col],
-               K->values + K->value_off[e] + i * n, sizeof *dense * (size_t)n);
-    }
-  int n = (int)K->n;
-  if (LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'N', 'L', n, dense, n, value) != 0)
-    status = lth_fail(ctx, LITHE_NOT_CONVERGED, "condition number: LAPACK's dsyevd failed");
-  else
-    *condition = value[n - 1] / value[6];
+  LITHE_TRY_OR(done, lth_block_matrix_condition_beyond(ctx, K, 6, condition));
 done:
-  lth_blas_threads(threads);
   lth_free(ctx, constants);
   lth_free(ctx, f0);
-  lth_free(ctx, dense);
-  lth_free(ctx, value);
   lth_block_matrix_destroy(ctx, &K);
   lth_dg_operator_destroy(ctx, &op);
   lth_dg_space_destroy(ctx, &space);

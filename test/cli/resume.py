@@ -9,6 +9,21 @@ from cli import PROGRAM, expect, folder, run
 
 os.environ["OMP_WAIT_POLICY"] = "passive"  # other tests want their cores
 
+# a soft block that falls on an oblique floor; what remains to be said follows
+FALLING = """lithe: 1
+bodies:
+  - name: block
+    shape: {box: {min: [0, 0.002, 0], max: [%s, 0.102, 0.1]}}
+    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
+    method: {kind: dg, mesh: hexahedra, cells: %s, degree: 1%s}
+    embed: {surface: shape}
+    initial: {velocity: [0.3, -0.5, 0.1]}
+gravity: [0, -9.81, 0]
+colliders:
+  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
+contact: {friction: 0.3}
+"""
+
 
 def write(directory, name, text):
     with open(os.path.join(directory, name), "w") as file:

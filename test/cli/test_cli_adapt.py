@@ -5,7 +5,7 @@ import os
 import signal
 
 from cli import done, expect, folder, run
-from resume import check_resumes, write
+from resume import FALLING, check_resumes, write
 
 BAR = """lithe: 1
 bodies:
@@ -31,19 +31,7 @@ time: {kind: dynamic, duration: 1.5, step: 0.025}
 output: {every: 0.05, fields: [vtu], checkpoint: 0}
 """
 # a block that falls, is cut, and has elements refined and raised where it lands
-FALL = """lithe: 1
-bodies:
-  - name: block
-    shape: {box: {min: [0, 0.002, 0], max: [0.2, 0.102, 0.1]}}
-    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
-    method: {kind: dg, mesh: hexahedra, cells: [4, 2, 2], degree: 1}
-    embed: {surface: shape}
-    initial: {velocity: [0.3, -0.5, 0.1]}
-gravity: [0, -9.81, 0]
-colliders:
-  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
-contact: {friction: 0.3}
-cuts:
+FALL = FALLING % ("0.2", "[4, 2, 2]", "") + """cuts:
   - {at: 0.041, plane: {point: [0.12, 0.05, 0.05], normal: [1, 0.1, 0.2]}}
 adapt:
   h: {criterion: principal-stress, threshold: 1500, max_level: 1, every: 2}

@@ -5,21 +5,9 @@ import os
 import signal
 
 from cli import check, done, expect, folder, run
-from resume import check_resumes, write
+from resume import FALLING, check_resumes, write
 
-DROP = """lithe: 1
-bodies:
-  - name: block
-    shape: {box: {min: [0, 0.002, 0], max: [0.2, 0.102, 0.1]}}
-    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
-    method: {kind: dg, mesh: hexahedra, cells: [4, 2, 2], degree: 1, sliver: 1e-4}
-    embed: {surface: shape}
-    initial: {velocity: [0.3, -0.5, 0.1]}
-gravity: [0, -9.81, 0]
-colliders:
-  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
-contact: {friction: 0.3}
-cuts:
+DROP = FALLING % ("0.2", "[4, 2, 2]", ", sliver: 1e-4") + """cuts:
   - {at: 0, plane: {point: [0.05, 0.05, 0.05], normal: [1, 0, 0.3]}}
   - {at: 0.031, plane: {point: [0.12, 0.05, 0.05], normal: [1, 0.1, 0.2]}}
   - {at: 0.07, plane: {point: [0.1, 0.05, 0.04], normal: [0.1, 0.2, 1]}, space: rest}

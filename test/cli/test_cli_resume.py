@@ -5,21 +5,9 @@ import shutil
 import signal
 
 from cli import done, expect, folder, run
-from resume import check_resumes, contents, kill_after, write
+from resume import FALLING, check_resumes, contents, kill_after, write
 
-DROP = """lithe: 1
-bodies:
-  - name: block
-    shape: {box: {min: [0, 0.002, 0], max: [0.1, 0.102, 0.1]}}
-    material: {model: corotated, young_modulus: 20 kPa, poisson_ratio: 0.4, density: 1000, damping: {stiffness: 1e-3}}
-    method: {kind: dg, mesh: hexahedra, cells: 3, degree: 1}
-    embed: {surface: shape}
-    initial: {velocity: [0.3, -0.5, 0.1]}
-gravity: [0, -9.81, 0]
-colliders:
-  - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
-contact: {friction: 0.3}
-time: {kind: dynamic, duration: 0.3, step: 1/200}
+DROP = FALLING % ("0.1", "3", "") + """time: {kind: dynamic, duration: 0.3, step: 1/200}
 probes: [{name: corner, point: [0.1, 0.102, 0.1]}]
 output: {every: 1/50, fields: [vtu], surface: [pc2, obj], checkpoint: 0}
 """

@@ -190,7 +190,9 @@ def test_thin():
             told = json.loads(run("check", name + ".yaml", "--json", cwd=d).stdout)["memory"]
             r = result(d, name + ".yaml")
             iterations[name] = r.get("solver", {}).get("iterations")
-            expect("memory_of_a_%s_body_is_foreseen" % name, 0.7 < told / r["memory"] < 1.3, (told, r["memory"]))
+            # what sanitizers keep beside the program's own memory is foreseen by nobody
+            if "sanitizers  no" in run("info").stdout:
+                expect("memory_of_a_%s_body_is_foreseen" % name, 0.7 < told / r["memory"] < 1.3, (told, r["memory"]))
         expect("a_finer_shell_takes_few_iterations_more", iterations["finer"] <= 30, iterations)
         told = {cells: run("mesh", "thin.yaml", "--set", "bodies.0.method.cells=%d" % cells, cwd=d) for cells in (40, 80)}
         expect("thin_features_are_told_with_the_mesh", "in features thinner than three cells" in told[40].stderr and
