@@ -14,7 +14,11 @@ static const struct {
 } listed[] = {
     {"kaufmann/fig7-ears", 12, 3},
     {"kaufmann/table1", 5, 1},
+    {"kaufmann/fig8", 70, 4},
     {"kaufmann/fig9", 70, 3},
+    {"kaufmann/fig7-slices", 4, 2},
+    {"kaufmann/fig10-carve", 60, 1},
+    {"adapt/corner", 10, 2},
     {"dolny/table5.1", 31, 1},
     {"dolny/table5.2", 64, 1},
     {"dolny/fig5.1", 2, 1},

@@ -23,6 +23,17 @@ colliders:
   - plane: {point: [0, 0, 0], normal: [0.1, 1, 0]}
 contact: {friction: 0.3}
 """
+# a bar that is bent by its ends; cuts, time and output follow
+BENDING = """lithe: 1
+bodies:
+  - name: bar
+    shape: {box: {min: [0, 0, 0], max: [4, 1, 1]}}
+    material: {model: corotated, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
+    method: {kind: dg, mesh: hexahedra, cells: [6, 2, 2], degree: 1}
+    constraints:
+      - {where: {box: {min: [-1, -1, -1], max: [0.01, 2, 2]}}, displacement: [0, 0, 0]}
+      - {where: {box: {min: [3.99, -1, -1], max: [5, 2, 2]}}, displacement: [0, "-t*t", 0], enforce: strong}
+"""
 
 
 def write(directory, name, text):

@@ -5,7 +5,7 @@ import os
 import signal
 
 from cli import check, done, expect, folder, run
-from resume import FALLING, check_resumes, write
+from resume import BENDING, FALLING, check_resumes, write
 
 DROP = FALLING % ("0.2", "[4, 2, 2]", ", sliver: 1e-4") + """cuts:
   - {at: 0, plane: {point: [0.05, 0.05, 0.05], normal: [1, 0, 0.3]}}
@@ -15,16 +15,7 @@ time: {kind: dynamic, duration: 0.15, step: 1/200}
 probes: [{name: corner, point: [0.19, 0.09, 0.09]}]
 output: {every: 1/100, fields: [vtu], surface: [pc2], checkpoint: 0}
 """
-BEND = """lithe: 1
-bodies:
-  - name: bar
-    shape: {box: {min: [0, 0, 0], max: [4, 1, 1]}}
-    material: {model: corotated, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
-    method: {kind: dg, mesh: hexahedra, cells: [6, 2, 2], degree: 1}
-    constraints:
-      - {where: {box: {min: [-1, -1, -1], max: [0.01, 2, 2]}}, displacement: [0, 0, 0]}
-      - {where: {box: {min: [3.99, -1, -1], max: [5, 2, 2]}}, displacement: [0, "-t*t", 0], enforce: strong}
-cuts:
+BEND = BENDING + """cuts:
   - {at: 0.4, plane: {point: [0, 0.4, 0], normal: [0, 1, 0]}, space: rest}
 time: {kind: quasistatic, steps: 8, duration: 1}
 probes: [{name: tip, point: [4, 0.5, 0.5]}]

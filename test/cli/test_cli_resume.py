@@ -5,22 +5,13 @@ import shutil
 import signal
 
 from cli import done, expect, folder, run
-from resume import FALLING, check_resumes, contents, kill_after, write
+from resume import BENDING, FALLING, check_resumes, contents, kill_after, write
 
 DROP = FALLING % ("0.1", "3", "") + """time: {kind: dynamic, duration: 0.3, step: 1/200}
 probes: [{name: corner, point: [0.1, 0.102, 0.1]}]
 output: {every: 1/50, fields: [vtu], surface: [pc2, obj], checkpoint: 0}
 """
-BEND = """lithe: 1
-bodies:
-  - name: bar
-    shape: {box: {min: [0, 0, 0], max: [4, 1, 1]}}
-    material: {model: corotated, young_modulus: 1000, poisson_ratio: 0.3, density: 1}
-    method: {kind: dg, mesh: hexahedra, cells: [6, 2, 2], degree: 1}
-    constraints:
-      - {where: {box: {min: [-1, -1, -1], max: [0.01, 2, 2]}}, displacement: [0, 0, 0]}
-      - {where: {box: {min: [3.99, -1, -1], max: [5, 2, 2]}}, displacement: [0, "-t*t", 0], enforce: strong}
-time: {kind: quasistatic, steps: 8, duration: 1}
+BEND = BENDING + """time: {kind: quasistatic, steps: 8, duration: 1}
 probes: [{name: tip, point: [4, 0.5, 0.5]}]
 output: {fields: [vtu], checkpoint: 0}
 """
