@@ -71,7 +71,8 @@ static LitheStatus refine_once(LitheCtx *ctx, const LthSurface *s, double length
   LTH_NEW_OR(done, ctx, r->tris, 3 * n_tris);
   LTH_NEW_OR(done, ctx, r->tri_shell, n_tris);
   LTH_NEW_OR(done, ctx, r->tri_poly, n_tris);
-  memcpy(r->points, s->points, sizeof *s->points * 3 * (size_t)s->n_points);
+  if (s->n_points > 0) // a crumb may have no triangles left
+    memcpy(r->points, s->points, sizeof *s->points * 3 * (size_t)s->n_points);
   for (LitheIndex i = 0; i < 3 * s->n_tris; i++) {
     const Edge *e = &edges[i];
     if (middle[e->corner] < 0) continue;
