@@ -202,14 +202,6 @@ static void move_arrays(Take *t) {
   if (has_reduced) m->reduced = b->reduced, b->reduced = NULL;
 }
 
-static void sort_members(LthElementGroup *g) {
-  LitheIndex n = 0;
-  qsort(g->member, (size_t)g->n, sizeof *g->member, lth_compare_index);
-  for (LitheIndex i = 0; i < g->n; i++)
-    if (i == 0 || g->member[i] != g->member[i - 1]) g->member[n++] = g->member[i];
-  g->n = n;
-}
-
 /// Sides of all elements by their corners, made once.
 static LitheStatus need_sides(Take *t, bool by_corners) {
   LitheCtx *ctx = t->b->ctx;
@@ -282,7 +274,7 @@ static LitheStatus take_group(Take *t, LthBuilderGroup *from) {
     if (member >= 0) g->member[g->n++] = member;
     n_missing += member == -1;
   }
-  sort_members(g);
+  g->n = lth_sort_unique(g->member, g->n);
   static const char *const what[] = {"elements", "nodes", "faces of elements"};
   if (n_missing > 0)
     lth_warn(t->b->ctx,

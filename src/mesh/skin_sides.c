@@ -5,6 +5,7 @@
 #include "base/order.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static bool is_cut(const LthTopologyFace *f) { return f->is_live && f->tag <= LTH_TAG_CUT; }
 
@@ -53,10 +54,10 @@ static void visit(SkinWork *w, Pass pass) {
 static void compact(SkinWork *w) {
   LitheCount n = 0, begin = 0;
   for (LitheIndex k = 0; k < w->n_cut_points; k++) {
-    LitheCount end = w->off[k + 1], first = n;
-    qsort(w->cell + begin, (size_t)(end - begin), sizeof *w->cell, lth_compare_index);
-    for (LitheCount i = begin; i < end; i++)
-      if (n == first || w->cell[n - 1] != w->cell[i]) w->cell[n++] = w->cell[i];
+    LitheCount end = w->off[k + 1];
+    LitheIndex kept = lth_sort_unique(w->cell + begin, (LitheIndex)(end - begin));
+    memmove(w->cell + n, w->cell + begin, sizeof *w->cell * (size_t)kept);
+    n += kept;
     begin = end;
     w->off[k + 1] = n;
   }

@@ -176,7 +176,7 @@ LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const Lth
   return status;
 }
 
-LitheStatus lth_body_build_parts(LitheCtx *ctx, LthBody *body) {
+LitheStatus lth_body_build_on_mesh(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY(lth_body_build_conditions(ctx, body));
   LITHE_TRY(lth_build_embedding(ctx, body));
   return lth_build_contact(ctx, body);
@@ -198,7 +198,7 @@ void lth_body_free_touch(LitheCtx *ctx, LthBody *b) {
   lth_surface_destroy(ctx, &b->touch);
 }
 
-void lth_body_free_parts(LitheCtx *ctx, LthBody *b) {
+void lth_body_free_on_mesh(LitheCtx *ctx, LthBody *b) {
   lth_contact_destroy(ctx, &b->contact);
   lth_body_free_touch(ctx, b);
   lth_embedding_destroy(ctx, &b->nodes);
@@ -217,7 +217,7 @@ void lth_body_free_parts(LitheCtx *ctx, LthBody *b) {
 void lth_body_destroy(LitheCtx *ctx, LthBody **body) {
   LthBody *b = *body;
   if (!b) return;
-  lth_body_free_parts(ctx, b);
+  lth_body_free_on_mesh(ctx, b);
   lth_soup_destroy(ctx, &b->own_soup);
   lth_staggered_body_destroy(ctx, &b->staggered);
   lth_body_change_end(ctx, b);

@@ -84,12 +84,12 @@ typedef struct LthBody {
 void lth_body_destroy(LitheCtx *ctx, LthBody **body);
 
 /// Free what is built upon elements: all but shape, mesh, what may change of it, and the surface that follows.
-void lth_body_free_parts(LitheCtx *ctx, LthBody *body);
+void lth_body_free_on_mesh(LitheCtx *ctx, LthBody *body);
 
 /// Operator, contact and all else that follows from the mesh (and space and material where they are there).
-LitheStatus lth_body_build_parts(LitheCtx *ctx, LthBody *body);
+LitheStatus lth_body_build_on_mesh(LitheCtx *ctx, LthBody *body);
 
-/// A body with its mesh and nothing else; lth_body_build_parts() goes on.
+/// A body with its mesh and nothing else; lth_body_build_on_mesh() goes on.
 LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const LthSceneBody *def,
                                  LthBody **body);
 

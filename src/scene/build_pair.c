@@ -154,10 +154,8 @@ LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
                     "other; `false` says that this is meant");
     return LITHE_OK;
   }
-  for (LitheIndex b = 0; b < n; b++) {
-    LITHE_TRY(lth_body_count_parts(ctx, world->bodies[b]));
+  for (LitheIndex b = 0; b < n; b++)
     if (world->bodies[b]->n_parts > 1) LITHE_TRY(lth_build_parts(ctx, world->bodies[b]));
-  }
   LTH_NEW(ctx, world->pairs, (LitheCount)n * (n + 1) / 2);
   for (LitheIndex a = 0; a < n; a++)
     for (LitheIndex b = a; b < n; b++)

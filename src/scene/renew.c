@@ -9,7 +9,7 @@ void lth_renewal_free(LitheCtx *ctx, LthRenewal *r) {
   lth_free(ctx, r->touch_point);
   lth_embedding_destroy(ctx, &r->touch_embedding);
   lth_surface_destroy(ctx, &r->touch);
-  if (r->old.def) lth_body_free_parts(ctx, &r->old);
+  if (r->old.def) lth_body_free_on_mesh(ctx, &r->old);
   if (r->old.mesh != r->first) lth_mesh_destroy(ctx, &r->old.mesh);
   lth_mesh_destroy(ctx, &r->atoms);
   lth_free(ctx, r->from_cell);
@@ -117,7 +117,7 @@ static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
   cell_record = face_record = NULL;
   LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
   LITHE_TRY_OR(done, inherit_material(ctx, body, r));
-  LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
+  LITHE_TRY_OR(done, lth_body_build_on_mesh(ctx, body));
   LITHE_TRY_OR(done, lth_body_change_number(ctx, body, body->change->cell_record,
                                             body->change->face_record));
 done:

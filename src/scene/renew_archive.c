@@ -61,7 +61,7 @@ static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRen
   lth_cut_surface_archive(body, a);
   LITHE_TRY_OR(done, a->status);
   LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
-  LITHE_TRY_OR(done, lth_body_build_parts(ctx, body));
+  LITHE_TRY_OR(done, lth_body_build_on_mesh(ctx, body));
 done:
   lth_mesh_destroy(ctx, &mesh);
   lth_free(ctx, cell_record);

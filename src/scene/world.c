@@ -145,7 +145,7 @@ LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times
   LthWorld *w = *world;
   times[0] = lth_now() - start;
   lth_progress(ctx, "integrating", -1);
-  for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_body_build_parts(ctx, w->bodies[b]));
+  for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_body_build_on_mesh(ctx, w->bodies[b]));
   LITHE_TRY(lth_world_build_ties(ctx, w));
   LITHE_TRY(lth_world_build_pairs(ctx, w));
   LITHE_TRY(lth_world_build_system(ctx, w));

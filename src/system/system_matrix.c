@@ -59,10 +59,10 @@ static void list_columns(const LthSystem *s, Columns *c) {
 static void tidy_columns(LitheIndex n_rows, Columns *c) {
   LitheCount kept = 0, first = 0;
   for (LitheIndex row = 0; row < n_rows; row++) {
-    LitheCount last = c->block_off[row + 1], start = kept;
-    qsort(c->col + first, (size_t)(last - first), sizeof *c->col, lth_compare_index);
-    for (LitheCount e = first; e < last; e++)
-      if (kept == start || c->col[e] != c->col[kept - 1]) c->col[kept++] = c->col[e];
+    LitheCount last = c->block_off[row + 1];
+    LitheIndex n = lth_sort_unique(c->col + first, (LitheIndex)(last - first));
+    memmove(c->col + kept, c->col + first, sizeof *c->col * (size_t)n);
+    kept += n;
     first = last;
     c->block_off[row + 1] = kept;
   }

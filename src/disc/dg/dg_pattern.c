@@ -8,17 +8,14 @@
 
 /// Neighbours of a cell through faces and the cell itself, ascending, without repetition.
 static LitheIndex neighbours(const LthMesh *mesh, LitheIndex cell, LitheIndex *list) {
-  LitheIndex n = 0, kept = 0;
+  LitheIndex n = 0;
   list[n++] = cell;
   for (LitheIndex k = mesh->cell_face_off[cell]; k < mesh->cell_face_off[cell + 1]; k++) {
     const LitheIndex *pair = mesh->face_cell + 2 * (LitheCount)mesh->cell_face[k];
     LitheIndex other = pair[0] == cell ? pair[1] : pair[0];
     if (other >= 0) list[n++] = other;
   }
-  qsort(list, (size_t)n, sizeof *list, lth_compare_index);
-  for (LitheIndex i = 0; i < n; i++)
-    if (i == 0 || list[i] != list[kept - 1]) list[kept++] = list[i];
-  return kept;
+  return lth_sort_unique(list, n);
 }
 
 LitheStatus lth_dg_pattern_create(LitheCtx *ctx, const LthMesh *mesh, const LitheIndex *func_off,

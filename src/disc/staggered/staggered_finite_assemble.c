@@ -27,7 +27,7 @@ static void cell_functions(const LthStaggered *s, LitheCount slot, LitheIndex *f
 static int list_columns(const LthStaggered *s, LitheIndex row, LitheIndex *column) {
   const LthFiniteLayout *l = &lth_staggered_finite_of(s)->layout;
   LitheIndex func[LTH_FINITE_NODES];
-  int n = 0, kept = 0, deep = s->dim == 3;
+  int n = 0, deep = s->dim == 3;
   column[n++] = row;
   for (int z = -deep; z <= deep; z++)
     for (int y = -1; y <= 1; y++)
@@ -40,10 +40,7 @@ static int list_columns(const LthStaggered *s, LitheIndex row, LitheIndex *colum
         for (int i = 0; i < l->n_nodes; i++)
           if (touches && func[i] >= 0) column[n++] = func[i];
       }
-  qsort(column, (size_t)n, sizeof *column, lth_compare_index);
-  for (int i = 0; i < n; i++)
-    if (kept == 0 || column[i] != column[kept - 1]) column[kept++] = column[i];
-  return kept;
+  return lth_sort_unique(column, n);
 }
 
 LitheStatus lth_finite_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K) {

@@ -2,21 +2,19 @@
 #include "check.h"
 
 #include "embed/contact.h"
+#include "failing_memory.h"
 #include "geometry/shape.h"
 #include "solids.h"
 
 #include <string.h>
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 static LitheCtx *failing_ctx(int n) {
   LitheCtxDef def = lithe_ctx_def_default();
-  def.allocate = failing_allocate;
+  def.allocate = test_failing_allocate;
+  def.memory_user = &allocations_left;
   allocations_left = n;
   return lithe_ctx_create(&def);
 }

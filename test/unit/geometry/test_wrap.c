@@ -1,6 +1,7 @@
 /// Wrapped surfaces: whatever the triangles were, what comes out bounds a solid, and it is the right one.
 #include "solids.h"
 
+#include "failing_memory.h"
 #include "geometry/shape.h"
 
 /// The triangles of a surface as a soup, the k-th kept where keep(k) and turned where turn(k).
@@ -303,10 +304,6 @@ static void any_number_of_threads_gives_the_same_bits(void **state) {
 }
 
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 static void running_out_of_memory_is_told_and_nothing_is_lost(void **state) {
   (void)state;
@@ -315,7 +312,8 @@ static void running_out_of_memory_is_told_and_nothing_is_lost(void **state) {
   LthSoup soup = soup_of(good, ball, NULL, NULL);
   for (int n = 0, done = 0; !done; n++) {
     LitheCtxDef def = lithe_ctx_def_default();
-    def.allocate = failing_allocate;
+    def.allocate = test_failing_allocate;
+    def.memory_user = &allocations_left;
     allocations_left = n;
     LitheCtx *ctx = lithe_ctx_create(&def);
     LthWrap *w = NULL;

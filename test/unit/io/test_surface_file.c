@@ -1,5 +1,6 @@
 /// Surface files: every format and variant reads as the same polygons; bad files are told with place.
 #include "check.h"
+#include "failing_memory.h"
 #include "io/surface_file.h"
 #include "scratch_folder.h"
 
@@ -519,16 +520,6 @@ static void defects_are_written_as_edges_and_bars(void **state) {
 
 // ------------------------------------------------------------------ memory
 
-static void *quota_allocate(void *user, size_t alignment, size_t bytes) {
-  int *left = user;
-  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
-
-static void quota_release(void *user, void *block) {
-  (void)user;
-  free(block);
-}
-
 static void running_out_of_memory_leaks_nothing(void **state) {
   (void)state;
   Bytes binary;
@@ -547,8 +538,7 @@ static void running_out_of_memory_leaks_nothing(void **state) {
     for (; status == LITHE_NO_MEMORY; n++) {
       int left = n;
       LitheCtxDef def = lithe_ctx_def_default();
-      def.allocate = quota_allocate;
-      def.release = quota_release;
+      def.allocate = test_failing_allocate;
       def.memory_user = &left;
       LitheCtx *ctx = lithe_ctx_create(&def);
       LthSoup *s = NULL;

@@ -2,6 +2,7 @@
 #include "check.h"
 
 #include "base/tensor.h"
+#include "failing_memory.h"
 #include "mesh/mesh.h"
 
 #include <string.h>
@@ -145,7 +146,7 @@ static void refuses_bad_cells(void **state) {
   refuses(&t, 4, "no area");
 }
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
 static void refuses_more_than_indices_can_count(void **state) {
   (void)state;
@@ -157,15 +158,11 @@ static void refuses_more_than_indices_can_count(void **state) {
   lithe_ctx_destroy(&ctx);
 }
 
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
-
 static void survives_failing_allocations(void **state) {
   (void)state;
   LitheCtxDef def = lithe_ctx_def_default();
-  def.allocate = failing_allocate;
+  def.allocate = test_failing_allocate;
+  def.memory_user = &allocations_left;
   for (int n = 0, done = 0; !done; n++) {
     LitheCtx *ctx = lithe_ctx_create(&def);
     LthMesh *m = NULL;

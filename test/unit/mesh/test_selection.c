@@ -3,6 +3,7 @@
 #include "one_cell.h"
 #include "polyhedra.h"
 
+#include "failing_memory.h"
 #include "mesh/selection.h"
 
 static const double ring_outer[8] = {-1, -0.75, 1, -0.75, 1, 1, -1, 1};
@@ -378,17 +379,14 @@ static void quadrature_is_exact_on_divided_faces(void **state) {
   finish(ctx, mesh);
 }
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 static void survives_failing_allocations(void **state) {
   (void)state;
   LitheCtxDef def = lithe_ctx_def_default();
-  def.allocate = failing_allocate;
+  def.allocate = test_failing_allocate;
+  def.memory_user = &allocations_left;
   TestSolid s;
   test_prism(&s, 4, ring_outer, 4, ring_hole, 0, 1);
   LthWhere either[3] = {box(-1, -1, -1, 0.25, 0.25, 0.5),

@@ -1,5 +1,6 @@
 /// Surfaces of bodies that are cut: closed, with the volume of the body, whatever is done to it.
 #include "base/disjoint_sets.h"
+#include "failing_memory.h"
 #include "mesh/skin.h"
 #include "topology_ops.h"
 
@@ -368,12 +369,8 @@ static void sliced_surfaces_stay_closed(void **state) {
   }
 }
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 /// Memory may run out anywhere: it is told, and nothing is lost.
 static void running_out_of_memory_is_told(void **state) {
@@ -403,7 +400,8 @@ static void running_out_of_memory_is_told(void **state) {
                       .facet_poly = poly,
                       .face_facet = mesh->face_tag,
                       .n_faces = mesh->n_faces};
-    ctx_def.allocate = failing_allocate;
+    ctx_def.allocate = test_failing_allocate;
+    ctx_def.memory_user = &allocations_left;
     allocations_left = n;
     LitheCtx *failing = lithe_ctx_create(&ctx_def);
     LitheStatus status = failing ? lth_skin_create(failing, &def, &skin) : LITHE_NO_MEMORY;

@@ -1,5 +1,6 @@
 /// Slicing: exact volumes and areas, closed elements and the right number of them on many solids.
 #include "check.h"
+#include "failing_memory.h"
 #include "mesh/mesh.h"
 #include "slice_checks.h"
 #include "solids.h"
@@ -369,12 +370,8 @@ static void refuses_bad_requests(void **state) {
   end(ctx);
 }
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 static void survives_failing_allocations(void **state) {
   (void)state;
@@ -382,7 +379,8 @@ static void survives_failing_allocations(void **state) {
   LthSurface *s = shell(plain, 0.5, 0.25, 3);
   LthGrid g = grid_about(s, 3, 0);
   LitheCtxDef def = lithe_ctx_def_default();
-  def.allocate = failing_allocate;
+  def.allocate = test_failing_allocate;
+  def.memory_user = &allocations_left;
   for (int n = 0, done = 0; !done; n++) {
     LitheCtx *ctx = lithe_ctx_create(&def);
     LthMesh *m = NULL;

@@ -4,6 +4,7 @@
 
 #include "disc/dg/dg_live.h"
 #include "disc/dg/dg_transfer.h"
+#include "failing_memory.h"
 
 #include <time.h>
 
@@ -541,21 +542,11 @@ static void solvers_go_on_from_the_solution_of_before(void **state) {
   end(&c);
 }
 
-/// Memory that gives out after a number of allocations.
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  int *left = user;
-  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
-static void plain_release(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 /// A body is made and follows a split, with so many allocations; true where they were enough.
 static bool follow_with(int n_create, int n_follow) {
   int left = 1000000;
   LitheCtxDef ctx_def = lithe_ctx_def_default();
-  ctx_def.allocate = failing_allocate, ctx_def.release = plain_release, ctx_def.memory_user = &left;
+  ctx_def.allocate = test_failing_allocate, ctx_def.memory_user = &left;
   LitheCtx *ctx = lithe_ctx_create(&ctx_def);
   Case c = begin(topology_solid(ctx, 0), ctx, 1);
   LthDgLiveDef def = live_def(&c, LTH_FLUX_IP);

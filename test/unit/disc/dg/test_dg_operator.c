@@ -1,5 +1,6 @@
 /// The operator's structure: symmetry, kernels, warping, energy, definiteness, reactions, determinism.
 #include "dg_body.h"
+#include "failing_memory.h"
 
 static const LthGrid block = {{-1, 0, 0.5}, {1, 1.5, 2}, {3, 2, 2}};
 
@@ -288,21 +289,11 @@ static void reassembly_allocates_nothing(void **state) {
   test_body_free(&b);
 }
 
-/// Memory that gives out after a number of allocations.
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  int *left = user;
-  return (*left)-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
-static void plain_release(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 static void every_failed_allocation_is_told_and_leaks_nothing(void **state) {
   (void)state;
   int left = 1000000;
   LitheCtxDef ctx_def = lithe_ctx_def_default();
-  ctx_def.allocate = failing_allocate, ctx_def.release = plain_release, ctx_def.memory_user = &left;
+  ctx_def.allocate = test_failing_allocate, ctx_def.memory_user = &left;
   LitheCtx *ctx = lithe_ctx_create(&ctx_def);
   LthMesh *mesh = NULL;
   CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &block, &mesh));

@@ -4,6 +4,7 @@
 #include "polyhedra.h"
 
 #include "disc/dg/dg_space.h"
+#include "failing_memory.h"
 #include "geometry/shape.h"
 
 typedef struct Fixture {
@@ -390,17 +391,14 @@ static void refuses_wrong_degrees(void **state) {
   close_space(&t);
 }
 
-/// Memory hooks that fail from the n-th allocation on.
+/// Memory fails from the n-th allocation on.
 static int allocations_left;
-static void *failing_allocate(void *user, size_t alignment, size_t bytes) {
-  (void)user;
-  return allocations_left-- > 0 ? aligned_alloc(alignment, bytes) : NULL;
-}
 
 static void survives_failing_allocations(void **state) {
   (void)state;
   LitheCtxDef def = lithe_ctx_def_default();
-  def.allocate = failing_allocate;
+  def.allocate = test_failing_allocate;
+  def.memory_user = &allocations_left;
   def.threads = 1;
   TestSolid s;
   box_solid(&s, 1, 2, 3);
