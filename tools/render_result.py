@@ -109,7 +109,19 @@ def faces_of(grid, centers, keep, shrink):
     return data
 
 
-def read_grid(folder, frame, warp):
+def behind(port, clip):
+    """The whole cells on the side of a plane that its normal points away from; clip: point and normal."""
+    plane = vtk.vtkPlane()
+    plane.SetOrigin(clip[:3])
+    plane.SetNormal(clip[3:])
+    kept = vtk.vtkExtractGeometry()
+    kept.SetInputConnection(port)
+    kept.SetImplicitFunction(plane)
+    kept.ExtractBoundaryCellsOff()
+    return kept
+
+
+def read_grid(folder, frame, warp, clip):
     """Cells more than half full of an image, warped; their outer faces, or in the plane the cells themselves."""
     files = sorted(glob.glob(os.path.join(folder, "*fields_*.vti")))
     all_bodies = vtk.vtkAppendPolyData()
@@ -123,7 +135,8 @@ def read_grid(folder, frame, warp):
         full.SetThresholdFunction(vtk.vtkThreshold.THRESHOLD_UPPER)
         full.SetUpperThreshold(0.5)
         points = vtk.vtkCellDataToPointData()
-        points.SetInputConnection(full.GetOutputPort())
+        kept = behind(full.GetOutputPort(), clip) if clip else full
+        points.SetInputConnection(kept.GetOutputPort())
         points.PassCellDataOn()
         moved = vtk.vtkWarpVector()
         moved.SetInputConnection(points.GetOutputPort())
@@ -173,10 +186,12 @@ def add_floor(renderer, y, bounds):
     renderer.AddActor(actor)
 
 
-def make_actor(data, args, top):
+def make_actor(data, what, colour, top):
+    triangles = vtk.vtkTriangleFilter()  # faces may be concave, and are drawn as fans otherwise
+    triangles.SetInputData(data)
     normals = vtk.vtkPolyDataNormals()
-    normals.SetInputData(data)
-    normals.SetFeatureAngle(60 if args.what == "surface" else 1)
+    normals.SetInputConnection(triangles.GetOutputPort())
+    normals.SetFeatureAngle(60 if what == "surface" else 1)
     normals.SplittingOn()
     normals.ConsistencyOff()
     mapper = vtk.vtkPolyDataMapper()
@@ -185,9 +200,9 @@ def make_actor(data, args, top):
     actor.SetMapper(mapper)
     actor.GetProperty().SetColor(.80, .62, .45)
     actor.GetProperty().SetSpecular(.15)
-    if args.colour != "none" and data.GetCellData().HasArray(args.colour):
+    if colour != "none" and data.GetCellData().HasArray(colour):
         mapper.SetScalarModeToUseCellFieldData()
-        mapper.SelectColorArray(args.colour)
+        mapper.SelectColorArray(colour)
         mapper.SetLookupTable(colour_table())
         mapper.SetScalarRange(0, top)
     else:
@@ -202,7 +217,8 @@ def main():
     parser.add_argument("--frames", default="-1")
     parser.add_argument("--what", default="surface", choices=("surface", "elements", "cut", "grid"))
     parser.add_argument("--warp", type=float, default=1, help="of grid: factor of the displacement")
-    parser.add_argument("--colour", default="von_mises")
+    parser.add_argument("--clip", help="of grid: x,y,z,nx,ny,nz: only what lies behind this plane at rest")
+    parser.add_argument("--colour", default="von_mises", help="a field or none; several with commas: a picture of each")
     parser.add_argument("--azimuth", type=float, default=25)
     parser.add_argument("--elevation", type=float, default=12)
     parser.add_argument("--size", default="420x420")
@@ -212,16 +228,19 @@ def main():
     parser.add_argument("--floor", type=float, default=None)
     args = parser.parse_args()
     frames = [int(f) for f in args.frames.split(",")]
+    clip = [float(x) for x in args.clip.split(",")] if args.clip else None
     width, height = (int(x) for x in args.size.split("x"))
 
+    colours = args.colour.split(",")
     parts = [read_surfaces(folder, f) if args.what == "surface" else
-             read_grid(folder, f, args.warp) if args.what == "grid" else
+             read_grid(folder, f, args.warp, clip) if args.what == "grid" else
              read_elements(folder, f, args.shrink, args.what == "cut")
-             for folder in args.folder.split(",") for f in frames]
+             for folder in args.folder.split(",") for f in frames] * len(colours)
+    colours = [c for c in colours for _ in range(len(parts) // len(colours))]
     all_bounds = np.array([p.GetBounds() for p in parts])
     bounds = [g(all_bounds[:, i]) for i, g in zip(range(6), (min, max) * 3)]
-    top = max([np.percentile(vtk_to_numpy(p.GetCellData().GetArray(args.colour)), 99) for p in parts
-               if p.GetCellData().HasArray(args.colour)] + [1e-300])
+    top = {c: max([np.percentile(vtk_to_numpy(p.GetCellData().GetArray(c)), 99) for p in parts
+                   if p.GetCellData().HasArray(c)] + [1e-300]) for c in colours}
 
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
@@ -232,7 +251,7 @@ def main():
         renderer = vtk.vtkRenderer()
         renderer.SetViewport(i / len(parts), 0, (i + 1) / len(parts), 1)
         renderer.SetBackground(1, 1, 1)
-        renderer.AddActor(make_actor(data, args, top))
+        renderer.AddActor(make_actor(data, args.what, colours[i], top[colours[i]]))
         window.AddRenderer(renderer)
         if camera is None:
             renderer.ResetCamera(bounds)

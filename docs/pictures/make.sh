@@ -31,3 +31,7 @@ $render out/bar-adapt docs/pictures/bar-adapt.png --what elements --shrink 0.97 
 
 "$lithe" run scenes/bunny-cut.yaml -o out/bunny-cut
 $render out/bunny-cut docs/pictures/bunny-cut.png --frames 0,4,9,14,20,32 --floor 0 --zoom 1.2 --colour none --size 300x320
+
+"$lithe" run scenes/brain.yaml -o out/brain
+$render out/brain docs/pictures/brain.png --what grid --frames 0 --up z --colour label,von_mises --clip 0,-0.02,0,0,-1,0 \
+  --azimuth 20 --elevation 15 --size 460x400 --zoom 1.25

@@ -102,7 +102,7 @@ LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body);
 /// The body as part of a system.
 LthSystemBody lth_body_as_part(const LthBody *body);
 
-/// Its own coefficients in the simulation: x - X0 (computed by the call), position, velocity. (disc->n_dofs)
+/// Its own coefficients in the simulation: x - X0 (computed by each call, not for loops), position, velocity. (disc->n_dofs)
 const double *lth_body_displacement(const LthBody *body);
 double *lth_body_position(const LthBody *body);
 double *lth_body_velocity(const LthBody *body);

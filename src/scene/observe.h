@@ -26,7 +26,9 @@ typedef struct LthProbes LthProbes;
 /// warning. No file without probes.
 LitheStatus lth_probes_open(LitheCtx *ctx, const char *folder, const LthWorld *world, bool resumes,
                             LthProbes **probes);
-LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i);
+/// `u`: displacements of the whole world.
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, const double *u,
+                              LitheIndex i);
 LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *world);
 /// A probe stays in its body, in the element that holds it now.
 LitheStatus lth_probes_renew(LitheCtx *ctx, LthProbes *probes, const LthWorld *world);

@@ -171,9 +171,8 @@ static LitheIndex cell_at(const LthGridFields *f, const LthStaggered *s, const d
 }
 
 /// Components of a field at x, in the order of our tensors; scans whose voxels are the grid's cells have them already.
-static void sample_voxel(const LthGridFields *f, const LthBody *body, int what, const double x[3],
-                         double value[6]) {
-  const double *u = lth_body_displacement(body);
+static void sample_voxel(const LthGridFields *f, const LthBody *body, const double *u, int what,
+                         const double x[3], double value[6]) {
   bool is_middle;
   LitheIndex i = cell_at(f, lth_staggered_of(body->disc), x, &is_middle);
   for (int k = 0; k < 6; k++) value[k] = 0;
@@ -194,7 +193,7 @@ static void sample_voxel(const LthGridFields *f, const LthBody *body, int what, 
 
 static void sample_voxels(LitheCtx *ctx, const LthGridFields *f, const LthBody *body,
                           const LthVolume *v, int what, int components, float *values) {
-  const double *A = v->to_world;
+  const double *A = v->to_world, *u = lth_body_displacement(body);
   LitheCount n = lth_volume_size(v);
 #pragma omp parallel for schedule(dynamic, 1) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < v->n[2]; k++)
@@ -203,7 +202,7 @@ static void sample_voxels(LitheCtx *ctx, const LthGridFields *f, const LthBody *
         double x[3], value[6];
         for (int a = 0; a < 3; a++)
           x[a] = A[4 * a] * i + A[4 * a + 1] * j + A[4 * a + 2] * k + A[4 * a + 3];
-        sample_voxel(f, body, what, x, value);
+        sample_voxel(f, body, u, what, x, value);
         for (int c = 0; c < components; c++)
           values[c * n + lth_volume_index(v, i, j, k)] = (float)value[c];
       }

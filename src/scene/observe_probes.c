@@ -125,11 +125,12 @@ LitheStatus lth_probes_renew(LitheCtx *ctx, LthProbes *p, const LthWorld *world)
   return LITHE_OK;
 }
 
-LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, LitheIndex i) {
+LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, const double *u,
+                              LitheIndex i) {
   LthProbeValue value;
   const LthBody *body = world->bodies[probes->body[i]];
   const double *at = probes->at + 3 * (LitheCount)i;
-  lth_disc_sample(body->disc, probes->cell[i], lth_body_displacement(body), at, value.displacement);
+  lth_disc_sample(body->disc, probes->cell[i], u + body->first, at, value.displacement);
   body->disc->table->stress(body->disc, probes->cell[i], lth_body_position(body), at, value.stress);
   value.von_mises = lth_von_mises(value.stress);
   return value;
@@ -137,9 +138,10 @@ LthProbeValue lth_probe_value(const LthProbes *probes, const LthWorld *world, Li
 
 LitheStatus lth_probes_row(LitheCtx *ctx, LthProbes *probes, const LthWorld *world) {
   if (probes->n == 0) return LITHE_OK;
+  const double *u = lth_simulation_displacement(world->sim);
   probes->row[0] = lth_simulation_time(world->sim);
   for (LitheIndex i = 0; i < probes->n; i++) {
-    LthProbeValue value = lth_probe_value(probes, world, i);
+    LthProbeValue value = lth_probe_value(probes, world, u, i);
     double *row = probes->row + 1 + COLUMNS * (LitheCount)i;
     memcpy(row, value.displacement, sizeof value.displacement);
     memcpy(row + 3, value.stress, sizeof value.stress);

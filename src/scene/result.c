@@ -200,9 +200,10 @@ static LitheStatus put_state(LitheCtx *ctx, LthJson *json, const LthWorld *world
 
 static void put_probes(LthJson *json, const LthProbes *probes, const LthWorld *world) {
   if (world->scene->n_probes == 0) return;
+  const double *u = lth_simulation_displacement(world->sim);
   lth_json_begin_object(json, "probes");
   for (LitheIndex i = 0; i < world->scene->n_probes; i++) {
-    LthProbeValue value = lth_probe_value(probes, world, i);
+    LthProbeValue value = lth_probe_value(probes, world, u, i);
     lth_json_begin_object(json, world->scene->probes[i].name);
     lth_json_vector(json, "displacement", 3, value.displacement);
     lth_json_vector(json, "stress", 6, value.stress);

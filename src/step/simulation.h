@@ -70,7 +70,7 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
 /// call. Writable by owners that set an initial state.
 double *lth_simulation_position(LthSimulation *sim);
 double *lth_simulation_velocity(LthSimulation *sim);
-const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, computed by the call
+const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, computed by each call
 
 double lth_simulation_time(const LthSimulation *sim);
 

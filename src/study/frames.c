@@ -81,7 +81,7 @@ static void take_cell(LthFrame *f, const LthBody *body, const LthStaggered *s, L
 }
 
 /// Held unknowns within half a cell of the boundary, where they are now.
-static void take_held(LthFrame *f, const LthBody *body, const LthStaggered *s) {
+static void take_held(LthFrame *f, const LthBody *body, const LthStaggered *s, const double *coef) {
   const double *x = lth_body_position(body);
   for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
     for (int a = 0; a < 2; a++) {
@@ -92,7 +92,7 @@ static void take_held(LthFrame *f, const LthBody *body, const LthStaggered *s) {
       if (fabs(distance(body, at, s->grid->h[0])) > 0.51 * s->grid->h[0]) continue;
       LitheIndex c = s->cell[s->slot[i]];
       if (c < 0) continue;
-      lth_disc_sample(body->disc, c, lth_body_displacement(body), at, u);
+      lth_disc_sample(body->disc, c, coef, at, u);
       u[a] = x[k] - at[a];
       for (int b = 0; b < 2; b++) f->held[2 * f->n_held + b] = at[b] + u[b];
       f->n_held++;
@@ -112,7 +112,7 @@ LitheStatus lth_frames_look(void *user, LitheCtx *ctx, const LthWorld *world, Li
     LITHE_FAIL(ctx, LITHE_NO_MEMORY, "out of memory in a study");
   const double *coef = lth_body_displacement(body);
   for (LitheIndex c = 0; c < s->disc.n_cells; c++) take_cell(f, body, s, c, coef);
-  take_held(f, body, s);
+  take_held(f, body, s, coef);
   frames->n = frame + 1;
   return LITHE_OK;
 }

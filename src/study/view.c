@@ -46,24 +46,24 @@ static LitheStatus add(LthView *view, const double *a, const double *b, const do
   return LITHE_OK;
 }
 
-static void move(const LthView *view, const LthBody *body, LitheIndex cell, const double *rest,
-                 double now[3]) {
+static void move(const LthView *view, const LthBody *body, const double *coef, LitheIndex cell,
+                 const double *rest, double now[3]) {
   double u[3];
-  lth_disc_sample(body->disc, cell, lth_body_displacement(body), rest, u);
+  lth_disc_sample(body->disc, cell, coef, rest, u);
   lth_v3_copy(rest, now);
   lth_v3_axpy(view->times > 0 ? view->times : 1, u, now);
 }
 
 /// A triangle of a face in four, so that curved faces are seen as such. `edges` as of a triangle.
-static LitheStatus add_moved(LthView *view, const LthBody *body, LitheIndex cell,
-                             const double *const rest[3], int edges) {
+static LitheStatus add_moved(LthView *view, const LthBody *body, const double *coef,
+                             LitheIndex cell, const double *const rest[3], int edges) {
   double now[6][3];
   for (int k = 0; k < 3; k++) {
     double middle[3] = {0};
     lth_v3_axpy(0.5, rest[k], middle);
     lth_v3_axpy(0.5, rest[(k + 1) % 3], middle);
-    move(view, body, cell, rest[k], now[k]);
-    move(view, body, cell, middle, now[3 + k]);
+    move(view, body, coef, cell, rest[k], now[k]);
+    move(view, body, coef, cell, middle, now[3 + k]);
   }
   for (int k = 0; k < 3; k++) // corner k with the middles behind and before it
     LITHE_TRY(add(view, now[k], now[3 + k], now[3 + (k + 2) % 3],
@@ -72,7 +72,8 @@ static LitheStatus add_moved(LthView *view, const LthBody *body, LitheIndex cell
 }
 
 /// A face as one of its cells has it. Faces are convex or nearly so: a fan about the first corner.
-static LitheStatus add_face(LthView *view, const LthBody *body, LitheIndex f, LitheIndex cell) {
+static LitheStatus add_face(LthView *view, const LthBody *body, const double *coef, LitheIndex f,
+                            LitheIndex cell) {
   LthFaceView face = lth_mesh_face(body->mesh, f);
   const LitheIndex *loop = face.loop_point + face.loop_off[0];
   LitheIndex n = face.loop_off[1] - face.loop_off[0];
@@ -81,17 +82,18 @@ static LitheStatus add_face(LthView *view, const LthBody *body, LitheIndex f, Li
                                    face.points + 3 * (size_t)loop[k],
                                    face.points + 3 * (size_t)loop[k + 1]};
     int edges = 2 | (k == 1 ? 1 : 0) | (k + 2 == n ? 4 : 0);
-    LITHE_TRY(add_moved(view, body, cell, rest, edges));
+    LITHE_TRY(add_moved(view, body, coef, cell, rest, edges));
   }
   return LITHE_OK;
 }
 
 /// Inner faces are seen where elements part: each element has its own.
 static LitheStatus add_elements(LthView *view, const LthBody *body) {
+  const double *coef = lth_body_displacement(body);
   for (LitheIndex f = 0; f < body->mesh->n_faces; f++)
     for (int s = 0; s < 2; s++) {
       LitheIndex cell = body->mesh->face_cell[2 * f + s];
-      if (cell >= 0) LITHE_TRY(add_face(view, body, f, cell));
+      if (cell >= 0) LITHE_TRY(add_face(view, body, coef, f, cell));
     }
   return LITHE_OK;
 }
