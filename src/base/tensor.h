@@ -36,6 +36,22 @@ static inline void lth_v3_cross(const double a[3], const double b[3], double r[3
   r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/// a b - c d to rounding of itself (Kahan).
+static inline double lth_difference_of_products(double a, double b, double c, double d) {
+  double w = c * d, rest = fma(-c, d, w);
+  return fma(a, b, -w) + rest;
+}
+
+/// r = a x b to rounding of itself, also where both are nearly along one line: the plain product has rounding of the
+/// product of their lengths there. r may not alias a or b.
+static inline void lth_v3_cross_sharp(const double a[3], const double b[3], double r[3]) {
+  lth_v3_cross(a, b, r);
+  if (lth_v3_dot(r, r) > 1e-2 * lth_v3_dot(a, a) * lth_v3_dot(b, b)) return;
+  r[0] = lth_difference_of_products(a[1], b[2], a[2], b[1]);
+  r[1] = lth_difference_of_products(a[2], b[0], a[0], b[2]);
+  r[2] = lth_difference_of_products(a[0], b[1], a[1], b[0]);
+}
+
 /// Divide by the length and return it; a zero vector stays as it is.
 static inline double lth_v3_normalize(double r[3]) {
   double length = lth_v3_norm(r);
@@ -85,6 +101,13 @@ static inline void lth_m3_cofactor(const double A[9], double C[9]) {
   lth_v3_cross(A + 3, A + 6, C);
   lth_v3_cross(A + 6, A, C + 3);
   lth_v3_cross(A, A + 3, C + 6);
+}
+
+/// B = A^-1; B may not alias A. Rows (or columns) of any sizes cost no accuracy.
+static inline void lth_m3_inverse(const double A[9], double B[9]) {
+  double C[9], det = lth_m3_det(A);
+  lth_m3_cofactor(A, C);
+  for (int i = 0; i < 9; i++) B[i] = C[3 * (i % 3) + i / 3] / det;
 }
 
 /// R turns by `angle` [rad] about the unit vector `axis` (Rodrigues): cos I + (1 - cos) a a^T + sin [a]x.

@@ -82,7 +82,7 @@ void lth_mesh_add_cone(const LthFaceView *face, double sign, const double o[3], 
       double a[3], b[3], c[3];
       lth_v3_sub(face->points + 3 * face->loop_point[i], o, a);
       lth_v3_sub(face->points + 3 * face->loop_point[i + 1 < last ? i + 1 : first], o, b);
-      lth_v3_cross(a, b, c);
+      lth_v3_cross_sharp(a, b, c);
       double w = sign * lth_v3_dot(p, c);
       *volume += w;
       for (int d = 0; d < 3; d++) moment[d] += w * (p[d] + a[d] + b[d]);

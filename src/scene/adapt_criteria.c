@@ -34,8 +34,9 @@ void lth_adapt_normal(const LthBody *body, LitheIndex cell, double normal[3]) {
     lth_v3_normalize(normal);
     return;
   }
-  const double *half = body->space->scale + 3 * (LitheCount)cell;
-  d[half[1] > half[0] ? (half[2] > half[1] ? 2 : 1) : half[2] > half[0] ? 2 : 0] = 1;
+  const double *box = body->mesh->cell_box + 6 * (LitheCount)cell;
+  double edge[3] = {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+  d[edge[1] > edge[0] ? (edge[2] > edge[1] ? 2 : 1) : edge[2] > edge[0] ? 2 : 0] = 1;
   lth_v3_copy(d, normal);
 }
 

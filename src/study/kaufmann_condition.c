@@ -74,8 +74,8 @@ static LitheStatus monomials_of_cell(LitheCtx *ctx, const LthDgSpace *space, Lit
   for (int k = 0; k < POINTS; k++) {
     double x[3];
     const int at[3] = {k % 6, k / 6 % 6, k / 36};
-    for (int a = 0; a < 3; a++)
-      x[a] = space->center[3 * cell + a] + space->scale[3 * cell + a] * (at[a] - 2.5) / 2.5;
+    const double *box = space->mesh->cell_box + 6 * (LitheCount)cell;
+    for (int a = 0; a < 3; a++) x[a] = box[a] + (box[3 + a] - box[a]) * at[a] / 5;
     lth_dg_eval(space, cell, x, phi + k * nb);
     lth_monomials3_eval(p, x, value + k * nb);
   }

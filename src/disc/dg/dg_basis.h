@@ -3,6 +3,6 @@
 
 #include "disc/dg/dg_space.h"
 
-/// Fill basis, mean_gradient and trace_constant of a cell whose degree, center and scale are set.
-/// Thread-safe, allocates nothing. False where the cell is so flat that no basis exists.
+/// Fill center, axes, basis, mean_gradient and trace_constant of a cell whose degree is set. Thread-safe, allocates
+/// nothing. False where the cell has no thickness but for rounding.
 bool lth_dg_basis_build(LthDgSpace *space, LitheIndex cell);

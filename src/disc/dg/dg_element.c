@@ -13,20 +13,21 @@ static void to_basis(const double *basis, int nb, int nl, double *w, double *c, 
 void lth_dg_cell_slope(LthDgOperator *op, LitheIndex cell) {
   const LthDgSpace *space = op->space;
   const int(*exponent)[3] = lth_monomial3_exponents();
-  const double *basis = space->basis[cell];
+  const double *basis = space->basis[cell], *axes = space->axes + 9 * (LitheCount)cell;
   int nb = lth_dg_funcs(space, cell), nl = lth_dg_lower(space, cell);
   double *slope = op->slope[cell];
 
   for (int b = 0; b < 3; b++)
     for (int j = 0; j < nb; j++) {
       double w[LTH_DG_MAX_LOWER] = {0};
-      for (int q = 1; q <= j; q++) {
-        int e[3] = {exponent[q][0], exponent[q][1], exponent[q][2]};
-        if (e[b] == 0) continue;
-        double factor = e[b] / space->scale[3 * cell + b];
-        e[b]--;
-        w[lth_monomial3_index(e[0], e[1], e[2])] += factor * basis[j * nb + q];
-      }
+      for (int q = 1; q <= j; q++)
+        for (int a = 0; a < 3; a++) {
+          int e[3] = {exponent[q][0], exponent[q][1], exponent[q][2]};
+          double factor = e[a] * axes[3 * a + b];
+          if (factor == 0) continue;
+          e[a]--;
+          w[lth_monomial3_index(e[0], e[1], e[2])] += factor * basis[j * nb + q];
+        }
       to_basis(basis, nb, nl, w, slope + (b * nb + j) * nl, 1);
     }
 }

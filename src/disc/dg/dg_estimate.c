@@ -31,8 +31,8 @@ static void tractions(const CellStress *s, const double n[3], double *T) {
 
 /// Length of an element: the longest edge of its box.
 static double length_of(const LthDgSpace *space, LitheIndex cell) {
-  const double *h = space->scale + 3 * (LitheCount)cell;
-  return 2 * fmax(h[0], fmax(h[1], h[2]));
+  const double *box = space->mesh->cell_box + 6 * (LitheCount)cell;
+  return fmax(box[3] - box[0], fmax(box[4] - box[1], box[5] - box[2]));
 }
 
 static double face_scale(const LthDgOperator *op, LitheIndex cell) {

@@ -1,10 +1,24 @@
 /// Face tables: products of traces by in-plane moments, and the list of inner faces.
 #include "disc/dg/dg_store_priv.h"
 
+/// A face is a needle below this share of the square about it.
+#define NEEDLE 0.02
+
 /// Coordinates of a face: x = origin + h (s t1 + t t2).
 typedef struct FaceFrame {
   double origin[3], t1[3], t2[3], h;
 } FaceFrame;
+
+/// Turn the axes of a needle along it: sums of monomials across them would cancel.
+static void turn_frame(const LthFaceView *piece, FaceFrame *frame) {
+  double m[6], t1[3];
+  lth_face_moments(2, frame->origin, frame->t1, frame->t2, frame->h, piece, m);
+  if (!(m[0] < NEEDLE * frame->h * frame->h)) return;
+  double angle = 0.5 * atan2(2 * m[4], m[3] - m[5]), c = cos(angle), s = sin(angle);
+  for (int a = 0; a < 3; a++) t1[a] = c * frame->t1[a] + s * frame->t2[a];
+  for (int a = 0; a < 3; a++) frame->t2[a] = c * frame->t2[a] - s * frame->t1[a];
+  lth_v3_copy(t1, frame->t1);
+}
 
 static FaceFrame face_frame(const LthFaceView *piece, const double centroid[3]) {
   FaceFrame frame = {.h = 0};
@@ -12,6 +26,7 @@ static FaceFrame face_frame(const LthFaceView *piece, const double centroid[3]) 
   lth_face_frame(piece->normal, frame.t1, frame.t2);
   for (LitheIndex p = piece->loop_off[0]; p < piece->loop_off[piece->n_loops]; p++)
     frame.h = fmax(frame.h, lth_v3_distance(piece->points + 3 * piece->loop_point[p], centroid));
+  turn_frame(piece, &frame);
   return frame;
 }
 
@@ -32,14 +47,16 @@ static void cell_trace(const LthDgSpace *space, LitheIndex cell, const FaceFrame
   int nb = lth_dg_funcs(space, cell), k = space->degree[cell], n2 = lth_monomials2(k);
   const int(*exponent)[3] = lth_monomial3_exponents();
   const double *center = space->center + 3 * (LitheCount)cell;
-  const double *scale = space->scale + 3 * (LitheCount)cell;
+  const double *axes = space->axes + 9 * (LitheCount)cell;
 
   // xi_a on the face is linear in (s, t); every monomial is a smaller one times one of them
   double linear[3][3], monomial[LTH_DG_MAX_FUNCS][LTH_DG_MAX_TRACE] = {{1}};
+  double offset[3];
+  lth_v3_sub(frame->origin, center, offset);
   for (int a = 0; a < 3; a++) {
-    linear[a][0] = (frame->origin[a] - center[a]) / scale[a];
-    linear[a][1] = frame->h * frame->t1[a] / scale[a];
-    linear[a][2] = frame->h * frame->t2[a] / scale[a];
+    linear[a][0] = lth_v3_dot(axes + 3 * a, offset);
+    linear[a][1] = frame->h * lth_v3_dot(axes + 3 * a, frame->t1);
+    linear[a][2] = frame->h * lth_v3_dot(axes + 3 * a, frame->t2);
   }
   for (int q = 1; q < nb; q++) {
     int e[3] = {exponent[q][0], exponent[q][1], exponent[q][2]};

@@ -8,7 +8,7 @@ static void visit_tetrahedron(const LthSimplexRule *rule, const double *corner[4
                               LthDgPointFn visit, void *self) {
   double edge[3][3], w[3];
   for (int i = 0; i < 3; i++) lth_v3_sub(corner[i + 1], corner[0], edge[i]);
-  lth_v3_cross(edge[1], edge[2], w);
+  lth_v3_cross_sharp(edge[1], edge[2], w);
   double volume = sign * lth_v3_dot(edge[0], w) / 6;
   for (int g = 0; g < lth_simplex_rule_points(rule); g++) {
     double bary[4], x[3], weight = volume * lth_simplex_rule_point(rule, g, bary);

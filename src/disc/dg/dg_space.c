@@ -11,7 +11,7 @@ void lth_dg_space_destroy(LitheCtx *ctx, LthDgSpace **space) {
   lth_free(ctx, s->degree);
   lth_free(ctx, s->func_off);
   lth_free(ctx, s->center);
-  lth_free(ctx, s->scale);
+  lth_free(ctx, s->axes);
   lth_free(ctx, s->basis_block);
   lth_free(ctx, s->basis);
   lth_free(ctx, s->mean_gradient);
@@ -27,7 +27,7 @@ static LitheStatus lay_out(LitheCtx *ctx, LthDgSpace *s, int degree, const uint8
   LTH_NEW(ctx, s->func_off, n + 1);
   LTH_NEW(ctx, s->basis, n);
   LTH_NEW(ctx, s->center, 3 * (LitheCount)n);
-  LTH_NEW(ctx, s->scale, 3 * (LitheCount)n);
+  LTH_NEW(ctx, s->axes, 9 * (LitheCount)n);
   LTH_NEW(ctx, s->trace_constant, n);
   LitheCount funcs = 0;
   for (LitheIndex c = 0; c < n; c++) {
@@ -69,9 +69,8 @@ static LitheStatus place_bases(LitheCtx *ctx, LthDgSpace *s) {
 static LitheStatus fail_flat(LitheCtx *ctx, const LthMesh *mesh, LitheIndex c) {
   const double *x = mesh->cell_centroid + 3 * c;
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-             "element %d near (%g, %g, %g) is too flat for a basis: volume %g; merge slivers "
-             "(method.sliver > "
-             "0) or move the grid",
+             "element %d near (%g, %g, %g) has no thickness but for rounding: volume %g; merge "
+             "slivers (method.sliver > 0) or move the grid",
              (int)c, x[0], x[1], x[2], mesh->cell_volume[c]);
 }
 
@@ -82,14 +81,7 @@ static LitheStatus build_bases(LitheCtx *ctx, LthDgSpace *s, const uint8_t *is_k
 #pragma omp parallel for schedule(dynamic, 16) num_threads(lth_threads(ctx)) reduction(min : flat)
   for (LitheIndex c = 0; c < s->n_cells; c++) {
     if (is_known && is_known[c]) continue;
-    for (int i = 0; i < 3; i++) {
-      const double *box = mesh->cell_box + 6 * (LitheCount)c;
-      s->center[3 * c + i] = mesh->cell_centroid[3 * c + i];
-      s->scale[3 * c + i] = 0.5 * (box[3 + i] - box[i]);
-    }
-    const double *h = s->scale + 3 * c;
-    if (!(h[0] > 0 && h[1] > 0 && h[2] > 0) || !lth_dg_basis_build(s, c))
-      flat = c < flat ? c : flat;
+    if (!lth_dg_basis_build(s, c)) flat = c < flat ? c : flat;
   }
   return flat < s->n_cells ? fail_flat(ctx, mesh, flat) : LITHE_OK;
 }
@@ -130,7 +122,7 @@ LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
 static void copy_cell(const LthDgSpace *from, LitheIndex cell, LthDgSpace *to, LitheIndex at) {
   int nb = lth_dg_funcs(from, cell);
   memcpy(to->center + 3 * (size_t)at, from->center + 3 * (size_t)cell, 3 * sizeof(double));
-  memcpy(to->scale + 3 * (size_t)at, from->scale + 3 * (size_t)cell, 3 * sizeof(double));
+  memcpy(to->axes + 9 * (size_t)at, from->axes + 9 * (size_t)cell, 9 * sizeof(double));
   memcpy(to->basis[at], from->basis[cell], sizeof(double) * (size_t)(nb * nb));
   memcpy(to->mean_gradient + 3 * (size_t)to->func_off[at],
          from->mean_gradient + 3 * (size_t)from->func_off[cell], 3 * sizeof(double) * (size_t)nb);
@@ -158,8 +150,9 @@ done:
 }
 
 static void to_cell(const LthDgSpace *s, LitheIndex cell, const double x[3], double xi[3]) {
-  for (int i = 0; i < 3; i++)
-    xi[i] = (x[i] - s->center[3 * (LitheCount)cell + i]) / s->scale[3 * (LitheCount)cell + i];
+  double d[3];
+  lth_v3_sub(x, s->center + 3 * (LitheCount)cell, d);
+  lth_m3_apply(s->axes + 9 * (LitheCount)cell, d, xi);
 }
 
 void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], double *phi) {
@@ -177,19 +170,19 @@ void lth_dg_eval(const LthDgSpace *space, LitheIndex cell, const double x[3], do
 void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double x[3],
                           double *dphi) {
   int nb = lth_dg_funcs(space, cell);
-  const double *B = space->basis[cell];
+  const double *B = space->basis[cell], *axes = space->axes + 9 * (LitheCount)cell;
   const int(*e)[3] = lth_monomial3_exponents();
   double xi[3], m[LTH_DG_MAX_FUNCS], dm[LTH_DG_MAX_FUNCS][3];
   to_cell(space, cell, x, xi);
   lth_monomials3_eval(space->degree[cell], xi, m);
-  for (int q = 0; q < nb; q++)
+  for (int q = 0; q < nb; q++) {
+    double local[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++) {
       int low[3] = {e[q][0], e[q][1], e[q][2]};
-      dm[q][a] = 0;
-      if (low[a]-- > 0)
-        dm[q][a] = e[q][a] * m[lth_monomial3_index(low[0], low[1], low[2])] /
-                   space->scale[3 * (LitheCount)cell + a];
+      if (low[a]-- > 0) local[a] = e[q][a] * m[lth_monomial3_index(low[0], low[1], low[2])];
     }
+    lth_m3_apply_t(axes, local, dm[q]);
+  }
   for (int i = 0; i < nb; i++)
     for (int a = 0; a < 3; a++) {
       dphi[3 * i + a] = 0;
@@ -197,16 +190,17 @@ void lth_dg_eval_gradient(const LthDgSpace *space, LitheIndex cell, const double
     }
 }
 
-/// x = center + scale m_1..3(xi), and m = B4^{-1} phi on the linear functions.
+/// x = center + axes^{-1} m_1..3(xi), and m = B4^{-1} phi on the linear functions.
 static void rest_of_cell(const LthDgSpace *s, LitheIndex cell, double *x0) {
   int nb = lth_dg_funcs(s, cell);
   const double *B = s->basis[cell];
-  const double *center = s->center + 3 * (LitheCount)cell, *scale = s->scale + 3 * (LitheCount)cell;
+  const double *center = s->center + 3 * (LitheCount)cell;
+  double inverse[9];
+  lth_m3_inverse(s->axes + 9 * (LitheCount)cell, inverse);
   memset(x0, 0, 3 * (size_t)nb * sizeof *x0);
   for (int a = 0; a < 3; a++) {
-    // solve c^T B4 = (center_a, scale_a on monomial 1 + a), last function first
-    double c[4] = {center[a], 0, 0, 0};
-    c[1 + a] = scale[a];
+    // solve c^T B4 = (center_a, row a of the inverse), last function first
+    double c[4] = {center[a], inverse[3 * a], inverse[3 * a + 1], inverse[3 * a + 2]};
     for (int i = 3; i >= 0; i--) {
       c[i] /= B[i * nb + i];
       for (int q = 0; q < i; q++) c[q] -= c[i] * B[i * nb + q];

@@ -7,9 +7,10 @@
 #define LTH_DG_MAX_DEGREE 4
 #define LTH_DG_MAX_FUNCS 35 ///< lth_monomials3(LTH_DG_MAX_DEGREE)
 
-/// Basis of cell K: phi_i = sum_{q <= i} basis[i][q] m_q(xi), xi = (x - center) / scale, m_q the graded
+/// Basis of cell K: phi_i = sum_{q <= i} basis[i][q] m_q(xi), xi = axes (x - center), m_q the graded
 /// monomials, orthogonalised so that int_K phi_i phi_j = |K| delta_ij and phi_0 = 1. The first four
-/// span the linear functions. An unknown vector holds, for function i of cell K and component a,
+/// span the linear functions. Axes are those of space, over half edges of the bounding box, or the cell's own
+/// where it is flat across them (dg_frame.h). An unknown vector holds, for function i of cell K and component a,
 /// x[3 * (func_off[K] + i) + a] [m]: position coefficients (x), displacement (u) or velocity (v).
 typedef struct LthDgSpace {
   const LthMesh *mesh; ///< borrowed for life
@@ -19,7 +20,7 @@ typedef struct LthDgSpace {
   uint8_t *degree;        ///< (n_cells)
   LitheIndex *func_off;   ///< (n_cells + 1)
   double *center;         ///< centroid [m]                              (n_cells x 3)
-  double *scale;          ///< half edges of the bounding box [m]        (n_cells x 3)
+  double *axes;           ///< to local coordinates, row-major [1/m]     (n_cells x 9)
   double **basis;         ///< nb x nb lower-triangular rows of each cell, row-major full squares
   double *basis_block;    ///< memory of these where no store has them, else NULL
   double *mean_gradient;  ///< mean of grad phi_i over the cell [1/m]    (n_funcs x 3)
@@ -27,7 +28,7 @@ typedef struct LthDgSpace {
 } LthDgSpace;
 
 /// Build for the same degree everywhere (1 to 4), or `cell_degree` (n_cells) where not NULL.
-/// Cost linear in faces; both cores. LITHE_BAD_INPUT: a cell so flat that no basis exists (names it).
+/// Cost linear in faces; both cores. LITHE_BAD_INPUT: a cell without thickness but for rounding (names it).
 LitheStatus lth_dg_space_create(LitheCtx *ctx, const LthMesh *mesh, int degree,
                                 const uint8_t *cell_degree, LthDgSpace **space);
 

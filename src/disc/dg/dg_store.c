@@ -138,7 +138,7 @@ static void take_basis(const LthDgStore *s, const LthDgStoreCell *entry, LthDgSp
                        LitheIndex c) {
   int nb = lth_dg_funcs(space, c);
   memcpy(space->center + 3 * (size_t)c, entry->center, sizeof entry->center);
-  memcpy(space->scale + 3 * (size_t)c, entry->scale, sizeof entry->scale);
+  memcpy(space->axes + 9 * (size_t)c, entry->axes, sizeof entry->axes);
   memcpy(space->mean_gradient + 3 * (size_t)space->func_off[c],
          room_data(s, entry->basis) + nb * nb, 3 * sizeof(double) * (size_t)nb);
   space->trace_constant[c] = entry->trace_constant;
@@ -169,7 +169,7 @@ void lth_dg_store_keep_bases(const LthDgRecords *r, const LthDgSpace *space,
     int nb = lth_dg_funcs(space, c);
     if (is_known[c]) continue;
     memcpy(entry->center, space->center + 3 * (size_t)c, sizeof entry->center);
-    memcpy(entry->scale, space->scale + 3 * (size_t)c, sizeof entry->scale);
+    memcpy(entry->axes, space->axes + 9 * (size_t)c, sizeof entry->axes);
     memcpy(space->basis[c] + nb * nb, space->mean_gradient + 3 * (size_t)space->func_off[c],
            3 * sizeof(double) * (size_t)nb);
     entry->trace_constant = space->trace_constant[c];

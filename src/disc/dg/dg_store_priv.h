@@ -27,7 +27,7 @@ typedef struct LthDgStoreGroup {
 typedef struct LthDgStoreCell {
   LthDgRoom basis;  ///< nb x nb, then mean gradients (nb x 3)
   uint64_t version; ///< of the basis, 0: none
-  double center[3], scale[3], trace_constant;
+  double center[3], axes[9], trace_constant;
   LthDgRoom slope;
   uint64_t slope_of; ///< version of the basis that it is of
   double lambda, mu;

@@ -3,45 +3,55 @@
 
 #include "base/tensor.h"
 
-enum { MAX_FUNCS = LTH_DG_MAX_FUNCS, MAX_K = LTH_DG_MAX_DEGREE };
+enum { MAX_FUNCS = LTH_DG_MAX_FUNCS };
 
 static bool same_basis(const LthDgSpace *from, LitheIndex a, const LthDgSpace *to, LitheIndex b) {
   size_t nb = (size_t)lth_dg_funcs(from, a), size = sizeof(double) * nb * nb;
   return from->degree[a] == to->degree[b] &&
          memcmp(from->center + 3 * (size_t)a, to->center + 3 * (size_t)b, 3 * sizeof(double)) ==
              0 &&
-         memcmp(from->scale + 3 * (size_t)a, to->scale + 3 * (size_t)b, 3 * sizeof(double)) == 0 &&
+         memcmp(from->axes + 9 * (size_t)a, to->axes + 9 * (size_t)b, 9 * sizeof(double)) == 0 &&
          memcmp(from->basis[a], to->basis[b], size) == 0;
 }
 
-/// One axis of xi = ratio xi' + shift: (ratio t + shift)^e = sum_d power[e][d] t^d.
-static void set_powers(double ratio, double shift, int k, double power[MAX_K + 1][MAX_K + 1]) {
-  memset(power, 0, sizeof(double) * (MAX_K + 1) * (MAX_K + 1));
-  power[0][0] = 1;
-  for (int e = 1; e <= k; e++)
-    for (int d = 0; d <= e; d++)
-      power[e][d] =
-          (d < e ? shift * power[e - 1][d] : 0) + (d > 0 ? ratio * power[e - 1][d - 1] : 0);
+/// Old local coordinates as linear functions of new ones: xi_i = linear[i][0] + sum_j linear[i][1 + j] xi'_j.
+static void set_linear(const LthDgSpace *from, LitheIndex a, const LthDgSpace *to, LitheIndex b,
+                       double linear[3][4]) {
+  const double *axes = from->axes + 9 * (LitheCount)a;
+  double inverse[9], ratio[9], shift[3], d[3];
+  lth_m3_inverse(to->axes + 9 * (LitheCount)b, inverse);
+  lth_m3_mul(axes, inverse, ratio);
+  lth_v3_sub(to->center + 3 * (LitheCount)b, from->center + 3 * (LitheCount)a, d);
+  lth_m3_apply(axes, d, shift);
+  for (int i = 0; i < 3; i++) {
+    linear[i][0] = shift[i];
+    memcpy(linear[i] + 1, ratio + 3 * i, 3 * sizeof(double));
+  }
 }
 
-/// Monomials about the old cell to monomials about the new one: beta' (n_to x 3) += alpha (n x 3).
+/// Monomials about the old cell to monomials about the new one: beta (n_to x 3) += alpha (n x 3). Each is a linear
+/// function times one of a degree less.
 static void translate_monomials(const LthDgSpace *from, LitheIndex a, const LthDgSpace *to,
                                 LitheIndex b, const double *alpha, double *beta) {
   const int(*e)[3] = lth_monomial3_exponents();
-  double power[3][MAX_K + 1][MAX_K + 1];
-  int k = from->degree[a], n = lth_monomials3(k);
-  for (int i = 0; i < 3; i++) {
-    LitheCount p = 3 * (LitheCount)a + i, q = 3 * (LitheCount)b + i;
-    set_powers(to->scale[q] / from->scale[p], (to->center[q] - from->center[p]) / from->scale[p], k,
-               power[i]);
-  }
-  for (int q = 0; q < n; q++)
-    for (int r = 0; r <= q; r++) {
-      if (e[r][0] > e[q][0] || e[r][1] > e[q][1] || e[r][2] > e[q][2]) continue;
-      double w =
-          power[0][e[q][0]][e[r][0]] * power[1][e[q][1]][e[r][1]] * power[2][e[q][2]][e[r][2]];
-      lth_v3_axpy(w, alpha + 3 * q, beta + 3 * r);
+  double linear[3][4], image[MAX_FUNCS][MAX_FUNCS] = {{1}};
+  int n = lth_monomials3(from->degree[a]);
+  set_linear(from, a, to, b, linear);
+  lth_v3_axpy(1, alpha, beta);
+  for (int q = 1; q < n; q++) {
+    int axis = e[q][0] ? 0 : e[q][1] ? 1 : 2, low[3] = {e[q][0], e[q][1], e[q][2]};
+    low[axis]--;
+    const double *lower = image[lth_monomial3_index(low[0], low[1], low[2])];
+    for (int r = 0; r < q; r++) {
+      if (lower[r] == 0) continue;
+      image[q][r] += linear[axis][0] * lower[r];
+      for (int j = 0; j < 3; j++)
+        image[q][lth_monomial3_index(e[r][0] + (j == 0), e[r][1] + (j == 1), e[r][2] + (j == 2))] +=
+            linear[axis][1 + j] * lower[r];
     }
+    for (int r = 0; r < n; r++)
+      if (image[q][r] != 0) lth_v3_axpy(image[q][r], alpha + 3 * q, beta + 3 * r);
+  }
 }
 
 void lth_dg_translate(const LthDgSpace *from, LitheIndex a, const double *coef,
@@ -136,7 +146,8 @@ done:
 bool lth_dg_plane_to_rest(const LthDgSpace *space, LitheIndex cell, const double *x,
                           const LthPlane *deformed, LthPlane *rest) {
   const double *center = space->center + 3 * (LitheCount)cell;
-  double size = 2 * lth_v3_norm(space->scale + 3 * (LitheCount)cell);
+  const double *box = space->mesh->cell_box + 6 * (LitheCount)cell;
+  double size = lth_v3_distance(box, box + 3);
   lth_v3_copy(center, rest->point);
 
   // Newton's method for n . (x(X) - p) = 0 along the steepest way from the centroid

@@ -166,6 +166,20 @@ static int run_body(void) {
   return n_cuts;
 }
 
+/// Bodies that once did not come through.
+static void cuts_that_broke_something_do_so_no_more(void **state) {
+  (void)state;
+  static const uint64_t known[] = {
+      8498779325306499365u, // a needle 1e-5 and 5e-7 of its length wide, in the bend of a blade
+  };
+  uint64_t next = seed;
+  for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+    seed = known[i];
+    run_body();
+  }
+  seed = next;
+}
+
 static void random_cuts_of_bodies_that_move_keep_what_they_must(void **state) {
   (void)state;
   const char *much = getenv("LITHE_TEST_OPERATIONS");
@@ -180,6 +194,7 @@ int main(void) {
   seed = fixed ? strtoull(fixed, NULL, 10) : (uint64_t)time(NULL);
   printf("LITHE_TEST_SEED=%llu\n", (unsigned long long)seed);
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(cuts_that_broke_something_do_so_no_more),
       cmocka_unit_test(random_cuts_of_bodies_that_move_keep_what_they_must),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

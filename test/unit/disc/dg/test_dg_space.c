@@ -112,18 +112,19 @@ static void functions_are_orthogonal(void **state) {
 
 static void functions_of_slivers_are_orthogonal(void **state) {
   (void)state;
-  // plates that no axis-aligned scaling can repair. Positions in them are known to 1e-16 of the edge, so to
-  // 1e-16 / thickness of the thickness, and function values to the k-th power of that ratio
-  for (int k = 1; k <= 3; k++)
-    for (double thickness = 1e-1; thickness > (k < 3 ? 5e-6 : 5e-4); thickness *= 0.1) {
-      TestSolid s;
-      box_solid(&s, 1, 1, thickness);
-      turn(&s);
-      Fixture t = single(&s, k);
-      double values = orthogonality(&t, 0, 1e-15 / thickness);
-      CHECK_AT_MOST(values, fmax(1e-12, 1e-15 * pow(1 / thickness, k)));
-      close_space(&t);
-    }
+  // plates and needles that no axis-aligned scaling can repair. Positions in them are known to 1e-16 of the edge, so to
+  // 1e-16 / thickness of the thickness; values of functions, which are of degree k across it, to k times that
+  for (int k = 1; k <= LTH_DG_MAX_DEGREE; k++)
+    for (double thickness = 1e-1; thickness > 5e-10; thickness *= 0.1)
+      for (int is_needle = 0; is_needle < 2; is_needle++) {
+        TestSolid s;
+        box_solid(&s, 1, is_needle ? thickness : 1, is_needle ? 0.1 * thickness : thickness);
+        turn(&s);
+        Fixture t = single(&s, k);
+        double rounding = 4e-15 / thickness * (is_needle ? 10 : 1);
+        CHECK_AT_MOST(orthogonality(&t, 0, rounding), fmax(1e-12, k * rounding));
+        close_space(&t);
+      }
 }
 
 static void functions_of_sliced_cells_are_orthogonal(void **state) {
