@@ -189,8 +189,7 @@ static LitheStatus begin_solid(LitheCtx *ctx, LthBody *body, const LthSurface *s
   LITHE_TRY_OR(done, lth_mesh_slice(ctx, surface, &grid, 0, &mesh));
   LITHE_TRY_OR(done, lth_topology_create(ctx, mesh, &c->solid));
   LITHE_TRY_OR(done, start_sliced(ctx, mesh, surface, true, &s));
-  LITHE_TRY_OR(done, create_skin(ctx, c->solid, mesh, &s, &c->skin));
-  status = lth_cut_solid_begin(ctx, body);
+  status = create_skin(ctx, c->solid, mesh, &s, &c->skin);
 done:
   lth_mesh_destroy(ctx, &mesh);
   free_start(ctx, &s);
@@ -229,7 +228,6 @@ void lth_cut_surface_end(LitheCtx *ctx, LthCutSurface **surface) {
   lth_skin_destroy(ctx, &c->skin);
   lth_topology_destroy(ctx, &c->solid);
   lth_free(ctx, c->cell);
-  lth_free(ctx, c->host);
   lth_free(ctx, c->home);
   lth_free(ctx, c);
   *surface = NULL;
@@ -298,16 +296,9 @@ static void walk_skin(LthCutSurface *c, LthArchive *a) {
   LTH_ARCHIVE_ARRAY(a, s->point, n);
 }
 
-static LitheStatus make_hosts(LitheCtx *ctx, LthCutSurface *c) {
-  LTH_RESERVE(ctx, c->host, c->cap_host, c->solid->n_cells);
-  return LITHE_OK;
-}
-
 static void walk_solid(LthCutSurface *c, LthArchive *a) {
   lth_topology_archive(c->solid, a);
-  if (a->status == LITHE_OK && a->is_reading) a->status = make_hosts(a->ctx, c);
   if (a->status != LITHE_OK) return;
-  LTH_ARCHIVE_ARRAY(a, c->host, c->solid->n_cells);
   LTH_ARCHIVE(a, c->n_home);
   LTH_ARCHIVE_ARRAY(a, c->home, c->n_home);
 }

@@ -18,9 +18,8 @@ typedef struct LthCutSurface {
 
   // of another surface than the body's boundary
   LthTopology *solid;
-  LitheIndex *host; ///< element (record) of the body around the middle of each cell of `solid`
   LitheIndex *home; ///< element (record) of the body that each point follows
-  LitheCount cap_host, cap_home;
+  LitheCount cap_home;
   LitheIndex n_home; ///< points that have one
 } LthCutSurface;
 
@@ -33,9 +32,7 @@ void lth_cut_surface_end(LitheCtx *ctx, LthCutSurface **surface);
 LitheStatus lth_cut_surface_follow(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
                                    const LitheIndex *cell_record);
 
-/// The solid of a surface that is not the body's boundary (cut_solid.c): the elements around its cells; and what the
-/// body's new cut faces do to it.
-LitheStatus lth_cut_solid_begin(LitheCtx *ctx, LthBody *body);
+/// The solid of a surface that is not the body's boundary (cut_solid.c): what the body's new cut faces do to it.
 LitheStatus lth_cut_solid_follow(LitheCtx *ctx, LthBody *body, const LthMesh *mesh,
                                  const LitheIndex *cell_record);
 
