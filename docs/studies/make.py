@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make docs/studies/README.md, a page for every group and their pictures from runs of the studies.
+"""Make docs/studies/README.md, all.html, a page for every group and their pictures from runs of the studies.
 
 usage: docs/studies/make.py [FOLDER...]
 
@@ -26,8 +26,13 @@ def read(folder):
     text = (folder / "index.md").read_text()
     sections = dict(re.findall(r"^## (\S+/\S+): (.*?)(?=^## \S+/\S+: |\Z)", text, re.S | re.M))
     report = json.load(open(folder / "study.json"))
+    page = (folder / "index.html").read_text()
+    parts = dict((name, whole) for whole, name in re.findall(r'(<section id="([^"]*)">.*?</section>)', page, re.S))
+    rows = dict((name, whole) for whole, name in re.findall(r'(<tr><td><a href="#([^"]*)">.*?</tr>)', page, re.S))
     for study in report["studies"]:
         study["section"], study["home"] = sections[study["name"]], folder / study["name"]
+        study["part"], study["row"] = parts[study["name"]], rows[study["name"]]
+        study["head"] = page[:page.index("<h1>")]
         study["question"] = re.search(r"^\*(.*?)\*$", study["section"], re.S | re.M).group(1)
         studies[study["name"]] = study
     return studies
@@ -72,13 +77,28 @@ def write_group(group, studies):
                     shutil.copy(svg, to)
 
 
+def write_page(studies, names):
+    """The page of `lithe study all`, whole in one file: that of the program, or put together from several runs of it."""
+    there = [studies[n] for n in names if n in studies]
+    checks = [c for s in there for c in s["checks"]]
+    with open(HOME / "all.html", "w") as out:
+        out.write(re.sub(r"<title>.*?</title>", "<title>Lithe: all studies</title>", there[-1]["head"]))
+        out.write("<h1>Lithe: all studies</h1>\n<p><code>lithe study all</code>, %s on two cores. %d of %d verdicts of %d studies hold. A verdict is "
+                  "a computed number against a bound that stands with its reason in the study's source.</p>\n" %
+                  (seconds(sum(s["seconds"] for s in there)), sum(c["holds"] for c in checks), len(checks), len(there)))
+        out.write('<table class="list"><tr><th>study</th><th>what</th><th>verdicts that hold</th><th>all hold</th><th>seconds</th></tr>\n')
+        out.write("\n".join(s["row"] for s in there) + "\n</table>\n")
+        out.write("\n".join(s["part"] for s in there) + "\n</body></html>\n")
+
+
 def write_index(studies, names):
     with open(HOME / "README.md", "w") as out:
         checks = [c for s in studies.values() for c in s["checks"]]
         out.write("# All studies\n\nWhat `lithe study all` computes anew, and what came out: %d studies with %d verdicts, %d of which hold, in %s "
                   "on two cores that\nothers used as well. A verdict is a computed number against a bound that stands with its reason in "
-                  "the study's source. Made by [make.py](make.py);\nhow to run them: [lithe study](../reference/study.md). Whether they "
-                  "could fail: [wrong factors](mutation.md). Besides: [the bunny's ears](ears.md),\n[one answer by three methods](verify.md).\n" %
+                  "the study's source. Made by [make.py](make.py);\nhow to run them: [lithe study](../reference/study.md). All on one page for a "
+                  "browser: [all.html](all.html). Whether they could fail: [wrong factors](mutation.md).\nBesides: [the bunny's ears](ears.md), "
+                  "[one answer by three methods](verify.md).\n" %
                   (len(studies), len(checks), sum(c["holds"] for c in checks), seconds(sum(s["seconds"] for s in studies.values()))))
         for group, title in GROUPS.items():
             out.write("\n## %s\n\n| study | question | verdicts | time |\n| --- | --- | --- | ---: |\n" % title)
@@ -106,6 +126,7 @@ def main():
     for group in GROUPS:
         write_group(group, [studies[n] for n in names if n.startswith(group + "/") and n in studies])
     write_index(studies, names)
+    write_page(studies, names)
 
 
 main()

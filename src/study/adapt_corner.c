@@ -9,7 +9,7 @@ static void corner_map(int block, const double at[3], double x[3]) {
   x[0] = low[block][0] + at[0], x[1] = low[block][1] + at[1], x[2] = 0.25 * at[2];
 }
 
-static const LthBlockModel corner = {3, corner_map, {1, 1, 1}};
+static const LthBlockModel corner = {3, corner_map, {1, 1, 1}, false};
 
 static const char scene[] =
     "lithe: 1\n"
@@ -103,12 +103,14 @@ static LitheStatus study(LthStudyRun *run) {
   for (int level = 1; level <= n_levels; level++) LITHE_TRY(add_adaptive(run, t, "hp", level));
   static const char *const names[] = {"one size, degree 1", "one size, degree 2",
                                       "one size, degree 3", "division, degree 2"};
-  LthPlot *plot = lth_study_plot(r, "corner", "An L with a re-entrant edge", "unknowns",
-                                 "relative error in energy");
+  LthPlot *plot = lth_study_plot(r, "corner", "An L with a re-entrant edge; orders in unknowns",
+                                 "unknowns [-]", "relative error in energy [-]");
   plot->log_x = plot->log_y = true;
   for (int i = 0; i < 4; i++)
     lth_plot_rows(plot, names[i], t, UNKNOWNS, ERROR, first[i], first[i + 1]);
   lth_plot_rows(plot, "division and degree", t, UNKNOWNS, ERROR, first[4], t->n_rows);
+  plot->orders = LTH_PLOT_ORDERS_BESIDE;
+  for (int i = 0; i < plot->n_series; i++) plot->series[i].cells = UNKNOWNS;
   double error = lth_table_at(t, t->n_rows - 1, ERROR),
          unknowns = lth_table_at(t, t->n_rows - 1, UNKNOWNS);
   lth_study_say(r,

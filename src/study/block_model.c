@@ -32,6 +32,11 @@ typedef struct Build {
   LitheIndex n_points, n_elements;
 } Build;
 
+/// Cells of a block along an axis.
+static int cells_along(const Build *b, int axis) {
+  return (axis == 2 && b->model->is_flat ? 1 : b->level) * b->model->cells[axis];
+}
+
 static double find_size(const LthBlockModel *m) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   double x[3], size = 0;
@@ -66,8 +71,7 @@ static LitheStatus add_element(Build *b, int block, const int cell[3]) {
   LitheIndex *node = b->element + (size_t)b->n_elements++ * (size_t)b->n_nodes;
   for (int k = 0; k < b->n_nodes; k++) {
     double at[3], x[3];
-    for (int a = 0; a < 3; a++)
-      at[a] = (cell[a] + node_place[k][a] / 2.0) / (b->level * b->model->cells[a]);
+    for (int a = 0; a < 3; a++) at[a] = (cell[a] + node_place[k][a] / 2.0) / cells_along(b, a);
     b->model->map(block, at, x);
     LITHE_TRY(add_point(b, x, node + k));
   }
@@ -75,14 +79,13 @@ static LitheStatus add_element(Build *b, int block, const int cell[3]) {
 }
 
 static LitheStatus gather(Build *b) {
-  const int *n = b->model->cells;
+  const int n[3] = {cells_along(b, 0), cells_along(b, 1), cells_along(b, 2)};
   int cell[3];
   b->grain = GRAIN * find_size(b->model);
   for (int block = 0; block < b->model->n_blocks; block++)
-    for (cell[2] = 0; cell[2] < b->level * n[2]; cell[2]++)
-      for (cell[1] = 0; cell[1] < b->level * n[1]; cell[1]++)
-        for (cell[0] = 0; cell[0] < b->level * n[0]; cell[0]++)
-          LITHE_TRY(add_element(b, block, cell));
+    for (cell[2] = 0; cell[2] < n[2]; cell[2]++)
+      for (cell[1] = 0; cell[1] < n[1]; cell[1]++)
+        for (cell[0] = 0; cell[0] < n[0]; cell[0]++) LITHE_TRY(add_element(b, block, cell));
   return LITHE_OK;
 }
 

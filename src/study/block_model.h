@@ -10,6 +10,7 @@ typedef struct LthBlockModel {
   int n_blocks;
   LthBlockMap map;
   int cells[3]; ///< of a block along its axes at level 1
+  bool is_flat; ///< finer levels have as many along the third
 } LthBlockModel;
 
 /// Write the body's outer sides as quadrilaterals, FOLDER/<name>.obj, with `level` times the cells of level 1.

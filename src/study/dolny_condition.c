@@ -126,7 +126,7 @@ LitheStatus lth_study_condition(LthStudyRun *run) {
     lth_table_row(t, NULL, row);
   }
   LthPlot *plot = lth_study_plot(&run->report, "condition", "Condition number (Fig. 5.4)",
-                                 "1 / (1 - 2 nu)", "condition number");
+                                 "1 / (1 - 2 nu) [-]", "condition number [-]");
   plot->log_x = plot->log_y = true;
   for (int k = 0; k < N_MODULI; k++)
     lth_plot_series(plot, lth_study_print(run, "E = %g Pa", moduli[k]), t, N_MODULI + 1, 1 + k);

@@ -48,7 +48,7 @@ static LitheStatus run_level(LthStudyRun *run, int problem, int cells, int n_shi
 static double order(const LthTable *t, int column) {
   const LthPlot plot = {.orders = LTH_PLOT_ORDERS_OF_CELLS};
   const LthSeries s = {.table = t, .x = CELLS, .y = column, .last = t->n_rows};
-  return lth_plot_order(&plot, &s, NULL);
+  return lth_plot_order(&plot, &s);
 }
 
 static void judge(LthStudyRun *run, int problem, const LthTable *t) {

@@ -35,7 +35,7 @@ static void plot_table(LthStudyRun *run, const char *title, const LthTable *t) {
 static double fitted_order(const LthTable *t, int column) {
   const LthPlot plot = {.orders = LTH_PLOT_ORDERS_OF_CELLS};
   const LthSeries s = {.table = t, .x = CELLS, .y = column, .last = t->n_rows};
-  return lth_plot_order(&plot, &s, NULL);
+  return lth_plot_order(&plot, &s);
 }
 
 /// Largest ratio of two columns over all rows; NaN where a number is missing.

@@ -137,7 +137,7 @@ static void tell_counts(LthStudyReport *r, const Bar bar[2]) {
     lth_table_row(t, NULL, row);
   }
   LthPlot *plot = lth_study_plot(r, "elements", "Elements while the bar bends and comes back",
-                                 "time (full load at 1)", "elements");
+                                 "time [times that of full load]", "elements [-]");
   lth_plot_series(plot, "in eight", t, 3, 1);
   lth_plot_series(plot, "in two", t, 3, 2);
   const double eight = at_full_load(bar), two = at_full_load(bar + 1);

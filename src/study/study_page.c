@@ -13,7 +13,7 @@ static const char page_style[] =
     "table{border-collapse:collapse;margin:1em 0;font-size:14px}caption{text-align:left;"
     "font-weight:bold;padding:.3em 0}\n"
     "th,td{border-bottom:1px solid #bbb;padding:.2em .7em;text-align:right}"
-    "th:first-child,td:first-child{text-align:left}\n"
+    "th:first-child,td:first-child,.list td:nth-child(2),.list th:nth-child(2){text-align:left}\n"
     "svg{max-width:100%;height:auto;display:block;margin:1em 0}code{background:#eee;"
     "padding:.1em .3em}\n"
     ".wide{overflow-x:auto}.fails{border-left:6px solid #111;padding-left:.6em;font-weight:bold}\n"
@@ -115,7 +115,21 @@ static void put_study(FILE *out, const LthStudyRun *run) {
 }
 
 static void put_overview(FILE *out, const LthStudyRun *runs) {
-  fputs("<table><tr><th>study</th><th>what</th><th>verdicts that hold</th><th>all hold</th>"
+  int n_studies = 0, n_all = 0, n_bad = 0, n_stopped = 0;
+  for (const LthStudyRun *run = runs; run; run = run->next) {
+    int n_failed;
+    n_studies++;
+    n_all += lth_study_checks(&run->report, &n_failed);
+    n_bad += n_failed;
+    n_stopped += run->trouble != NULL;
+  }
+  fprintf(out, "<p>%d of %d verdicts of %d studies hold", n_all - n_bad, n_all, n_studies);
+  if (n_stopped > 0) fprintf(out, ", %d studies stopped", n_stopped);
+  fputs(". A verdict is a computed number against a bound that stands with its reason in the "
+        "study's source.</p>\n",
+        out);
+  fputs("<table class=\"list\"><tr><th>study</th><th>what</th><th>verdicts that hold</th><th>all "
+        "hold</th>"
         "<th>seconds</th></tr>\n",
         out);
   for (const LthStudyRun *run = runs; run; run = run->next) {

@@ -43,7 +43,7 @@ static const int crosses[6] = {1, 2, 3, 10, 12, 8};
 
 static void put_series(FILE *out, const LthPlot *plot, int i) {
   const LthSeries *s = plot->series + i;
-  double order = lth_plot_order(plot, s, NULL);
+  double order = lth_plot_order(plot, s);
   char title[300], file[200];
   snprintf(file, sizeof file, "%s.csv", s->table->name);
   if (isfinite(order))
@@ -65,12 +65,11 @@ static void put_series(FILE *out, const LthPlot *plot, int i) {
 
 /// The line of the observed order through all points, where there is one.
 static void put_order_line(FILE *out, const LthPlot *plot, int i) {
-  char power[LTH_NUMBER_TEXT_MAX], factor[LTH_NUMBER_TEXT_MAX];
-  double constant = NAN, order = lth_plot_order(plot, plot->series + i, &constant);
-  if (!isfinite(order) || !isfinite(constant)) return;
-  if (plot->orders == LTH_PLOT_ORDERS_OF_CELLS) order = -order;
+  char power_text[LTH_NUMBER_TEXT_MAX], factor_text[LTH_NUMBER_TEXT_MAX];
+  double factor, power;
+  if (!lth_plot_line(plot, plot->series + i, &factor, &power)) return;
   fprintf(out, ", \\\n  %s * x**(%s) with lines lw 0.7 dt 3 lc rgb \"%s\" notitle",
-          lth_number_text(constant, factor), lth_number_text(order, power),
+          lth_number_text(factor, factor_text), lth_number_text(power, power_text),
           styles[i % N_STYLES].colour);
 }
 

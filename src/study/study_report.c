@@ -124,16 +124,35 @@ void lth_plot_printed(LthPlot *plot, const char *name, const LthTable *table, in
   if (plot->n_series > 0) plot->series[plot->n_series - 1].is_printed = true;
 }
 
-double lth_plot_order(const LthPlot *plot, const LthSeries *series, double *constant) {
-  double h[256], e[256];
+/// Exponent of y over a column.
+static double fit(const LthSeries *series, int column, double *factor) {
+  double x[256], y[256];
   int n = 0;
-  if (plot->orders == LTH_PLOT_NO_ORDERS) return NAN;
   for (int row = series->first; row < series->last && n < 256; row++, n++) {
-    h[n] = lth_table_at(series->table, row, series->x);
-    if (plot->orders == LTH_PLOT_ORDERS_OF_CELLS) h[n] = 1 / h[n];
-    e[n] = lth_table_at(series->table, row, series->y);
+    x[n] = lth_table_at(series->table, row, column);
+    y[n] = lth_table_at(series->table, row, series->y);
   }
-  return lth_order_fit(n, h, e, constant);
+  return lth_order_fit(n, x, y, factor);
+}
+
+double lth_plot_order(const LthPlot *plot, const LthSeries *series) {
+  switch (plot->orders) {
+  case LTH_PLOT_NO_ORDERS:
+    return NAN;
+  case LTH_PLOT_ORDERS_OF_H:
+    return fit(series, series->x, NULL);
+  case LTH_PLOT_ORDERS_OF_CELLS:
+    return -fit(series, series->x, NULL);
+  case LTH_PLOT_ORDERS_BESIDE:
+    return -fit(series, series->cells, NULL);
+  }
+  return NAN;
+}
+
+bool lth_plot_line(const LthPlot *plot, const LthSeries *series, double *factor, double *power) {
+  *factor = NAN;
+  *power = plot->orders == LTH_PLOT_NO_ORDERS ? NAN : fit(series, series->x, factor);
+  return isfinite(*power) && isfinite(*factor);
 }
 
 void lth_study_picture(LthStudyReport *report, const char *name, const char *caption,

@@ -36,8 +36,9 @@ double lth_table_at(const LthTable *table, int row, int column);
 
 typedef enum LthPlotOrders {
   LTH_PLOT_NO_ORDERS,
-  LTH_PLOT_ORDERS_OF_H,    ///< x is a length: errors go like x^p
-  LTH_PLOT_ORDERS_OF_CELLS ///< x is a number of cells: errors go like x^-p
+  LTH_PLOT_ORDERS_OF_H,     ///< x is a length: errors go like x^p
+  LTH_PLOT_ORDERS_OF_CELLS, ///< x is a number of cells: errors go like x^-p
+  LTH_PLOT_ORDERS_BESIDE ///< x is a number of unknowns; what errors fall with has a column of its own
 } LthPlotOrders;
 
 /// Two columns of a table as points joined by lines, rows [first, last).
@@ -45,6 +46,7 @@ typedef struct LthSeries {
   const char *name;
   const LthTable *table;
   int x, y, first, last;
+  int cells;       ///< column of LTH_PLOT_ORDERS_BESIDE
   bool is_printed; ///< a value from the literature: points only
 } LthSeries;
 
@@ -63,8 +65,10 @@ void lth_plot_series(LthPlot *plot, const char *name, const LthTable *table, int
 void lth_plot_rows(LthPlot *plot, const char *name, const LthTable *table, int x, int y, int first,
                    int last);
 void lth_plot_printed(LthPlot *plot, const char *name, const LthTable *table, int x, int y);
-/// Order of a series as the plot draws it: positive where errors fall; NaN where there is none.
-double lth_plot_order(const LthPlot *plot, const LthSeries *series, double *constant);
+/// Observed order of a series: positive where errors fall; NaN where there is none.
+double lth_plot_order(const LthPlot *plot, const LthSeries *series);
+/// The line factor x^power by least squares that a plot draws; false where there is none.
+bool lth_plot_line(const LthPlot *plot, const LthSeries *series, double *factor, double *power);
 
 /// A drawing that a study made itself: a whole <svg> element.
 typedef struct LthPicture {

@@ -21,7 +21,7 @@ static void crooked_map(int block, const double at[3], double x[3]) {
   x[0] = at[0] + 0.08 * bump, x[1] = at[1] - 0.06 * bump, x[2] = at[2] + 0.05 * bump;
 }
 
-const LthBlockModel lth_crooked_cube = {1, crooked_map, {2, 2, 2}};
+const LthBlockModel lth_crooked_cube = {1, crooked_map, {2, 2, 2}, false};
 
 static const char tension_scene[] =
     "lithe: 1\n"
@@ -80,7 +80,7 @@ static void cantilever_map(int block, const double at[3], double x[3]) {
   x[0] = LENGTH * at[0], x[1] = DEPTH * (at[1] - 0.5), x[2] = 0.5 * at[2];
 }
 
-static const LthBlockModel cantilever = {1, cantilever_map, {4, 2, 1}};
+static const LthBlockModel cantilever = {1, cantilever_map, {4, 2, 1}, false};
 
 static const char cantilever_scene[] =
     "lithe: 1\n"
@@ -142,7 +142,7 @@ static void cook_map(int block, const double at[3], double x[3]) {
   x[0] = 48 * at[0], x[1] = low + (high - low) * at[1], x[2] = 8 * at[2];
 }
 
-static const LthBlockModel cook = {1, cook_map, {2, 2, 1}};
+static const LthBlockModel cook = {1, cook_map, {2, 2, 1}, false};
 
 static const char cook_scene[] =
     "lithe: 1\n"

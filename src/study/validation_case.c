@@ -73,7 +73,8 @@ static LitheStatus run_level(LthStudyRun *run, const LthCase *c, const LthCaseMe
   for (int q = 0; q < c->n_quantities; q++) {
     const LthCaseQuantity *what = &c->quantity[q];
     double scale = what->scale > 0 ? what->scale : fabs(what->reference);
-    double value = lth_study_number(&result, what->path);
+    double number = lth_study_number(&result, what->path);
+    double value = what->slope != 0 ? what->start + what->slope * number : number;
     row[FIRST_QUANTITY + 2 * q] = value;
     row[error_column(q)] = 100 * fabs(value - what->reference) / scale;
   }
@@ -115,17 +116,23 @@ static double at_one_percent(const LthTable *t, int first, int last, int to) {
   return NAN;
 }
 
-static void plot_errors(LthStudyRun *run, const LthCase *c, const LthTable *t, const int *first) {
+static LthPlot *plot_errors(LthStudyRun *run, const LthCase *c, const LthTable *t,
+                            const int *first) {
   LthPlot *plot =
       lth_study_plot(&run->report, lth_study_print(run, "plot-%s", c->name),
                      lth_study_print(run, "%s: error over unknowns", c->quantity[0].name),
-                     "unknowns", "error [%]");
+                     "unknowns [-]", "error [%]");
   plot->log_x = plot->log_y = true;
+  plot->orders = LTH_PLOT_ORDERS_BESIDE;
   for (int i = 0; i < c->n_methods; i++)
     lth_plot_rows(plot, c->method[i].name, t, UNKNOWNS, error_column(0), first[i], first[i + 1]);
+  for (int i = 0; i < plot->n_series; i++) plot->series[i].cells = LEVEL;
+  return plot;
 }
 
-static void tell_cost(LthStudyRun *run, const LthCase *c, const LthTable *t, const int *first) {
+/// Orders are those of the first quantity in the size of an element, by least squares over the levels.
+static void tell_cost(LthStudyRun *run, const LthCase *c, const LthTable *t, const int *first,
+                      const LthPlot *plot) {
   LthTable *cost = lth_study_table(
       &run->report, lth_study_print(run, "%s-cost", c->name),
       lth_study_print(run,
@@ -135,10 +142,12 @@ static void tell_cost(LthStudyRun *run, const LthCase *c, const LthTable *t, con
       "method");
   lth_table_column(cost, "unknowns", "", 3);
   lth_table_column(cost, "time", "s", 2);
+  lth_table_column(cost, "observed order of the error in h", "", 3);
   for (int i = 0; i < c->n_methods; i++)
     lth_table_row(cost, c->method[i].name,
-                  (double[2]){at_one_percent(t, first[i], first[i + 1], UNKNOWNS),
-                              at_one_percent(t, first[i], first[i + 1], SECONDS)});
+                  (double[3]){at_one_percent(t, first[i], first[i + 1], UNKNOWNS),
+                              at_one_percent(t, first[i], first[i + 1], SECONDS),
+                              i < plot->n_series ? lth_plot_order(plot, plot->series + i) : NAN});
 }
 
 LitheStatus lth_case_run(LthStudyRun *run, const LthCase *c) {
@@ -160,7 +169,7 @@ LitheStatus lth_case_run(LthStudyRun *run, const LthCase *c) {
     first[i + 1] = t->n_rows;
     judge(run, c, m, row);
   }
-  plot_errors(run, c, t, first);
-  tell_cost(run, c, t, first);
+  const LthPlot *plot = plot_errors(run, c, t, first);
+  tell_cost(run, c, t, first, plot);
   return LITHE_OK;
 }

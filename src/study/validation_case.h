@@ -7,12 +7,14 @@
 #define LTH_CASE_QUANTITIES_MAX 3
 #define LTH_CASE_METHODS_MAX 6
 
-/// A number of the result and what it ought to be. Its error is |value - reference| / scale (0: |reference|).
+/// A number of the result and what it ought to be: value = start + slope * number (slope 0: the number itself). Its error is
+/// |value - reference| / scale (0: |reference|).
 typedef struct LthCaseQuantity {
   const char *name, *unit, *path;
   double reference, scale;
   double bound;       ///< of the error of every method at its finest level
   const char *reason; ///< for the bound
+  double start, slope;
 } LthCaseQuantity;
 
 typedef enum LthCaseMesh {

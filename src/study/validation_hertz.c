@@ -14,7 +14,7 @@ static void block_map(int block, const double at[3], double x[3]) {
   x[2] = -SIDE * (1 - at[2]) * sqrt(1 - at[2]);
 }
 
-static const LthBlockModel model = {1, block_map, {4, 4, 4}};
+static const LthBlockModel model = {1, block_map, {4, 4, 4}, false};
 
 static const char scene[] =
     "lithe: 1\n"

@@ -39,7 +39,7 @@ static void cylinder_map(int block, const double at[3], double x[3]) {
   x[0] = r * cos(angle), x[1] = r * sin(angle), x[2] = 0.5 * at[2];
 }
 
-static const LthBlockModel cylinder = {1, cylinder_map, {2, 3, 1}};
+static const LthBlockModel cylinder = {1, cylinder_map, {2, 3, 1}, false};
 
 static const char cylinder_scene[] =
     "lithe: 1\n"
@@ -106,7 +106,7 @@ static void sphere_map(int block, const double at[3], double x[3]) {
   for (int k = 0; k < 3; k++) x[k] = (INNER + (OUTER - INNER) * at[2]) * n[k] / sqrt(length);
 }
 
-static const LthBlockModel sphere = {3, sphere_map, {1, 1, 2}};
+static const LthBlockModel sphere = {3, sphere_map, {1, 1, 2}, false};
 
 static const char sphere_scene[] =
     "lithe: 1\n"
@@ -158,7 +158,7 @@ static void plate_map(int block, const double at[3], double x[3]) {
   x[2] = 0.5 * at[2];
 }
 
-static const LthBlockModel plate = {2, plate_map, {3, 2, 1}};
+static const LthBlockModel plate = {2, plate_map, {3, 2, 1}, false};
 
 #define ANGLE "atan2(y,x)"
 #define SXX                                                                                        \
@@ -167,6 +167,10 @@ static const LthBlockModel plate = {2, plate_map, {3, 2, 1}};
   "1000*(-(0.5*cos(2*" ANGLE ")-cos(4*" ANGLE "))/(x^2+y^2)-1.5*cos(4*" ANGLE ")/(x^2+y^2)^2)"
 #define SXY                                                                                        \
   "1000*(-(0.5*sin(2*" ANGLE ")+sin(4*" ANGLE "))/(x^2+y^2)+1.5*sin(4*" ANGLE ")/(x^2+y^2)^2)"
+
+#define R2 "(x^2+y^2)"
+#define X3 "x*(x^2-3*y^2)"
+#define Y3 "y*(3*x^2-y^2)"
 
 static const char plate_scene[] =
     "lithe: 1\n"
@@ -183,14 +187,12 @@ static const char plate_scene[] =
                            "0]}}, traction: [\"" SXX "\", \"" SXY "\", 0]}\n"
                            "      - {where: {plane: {point: [0, 3999.9 mm, 0], normal: [0, 1, "
                            "0]}}, traction: [\"" SXY "\", \"" SYY "\", 0]}\n"
-                           "exact:\n"
+                           "exact: # in powers of x and y: cos(3 t) = (x^3 - 3 x y^2) / r^3\n"
                            "  displacement:\n"
-                           "    - \"%.17g*(%.17g*x+2*(%.17g*cos(" ANGLE ")+cos(3*" ANGLE
-                           "))/sqrt(x^2+y^2)"
-                           "-2*cos(3*" ANGLE ")/(x^2+y^2)^1.5)\"\n"
-                           "    - \"%.17g*(%.17g*y+2*(%.17g*sin(" ANGLE ")+sin(3*" ANGLE
-                           "))/sqrt(x^2+y^2)"
-                           "-2*sin(3*" ANGLE ")/(x^2+y^2)^1.5)\"\n"
+                           "    - \"%.17g*(%.17g*x+2*(%.17g*x+" X3 "/" R2 ")/" R2 "-2*" X3 "/" R2
+                           "^3)\"\n"
+                           "    - \"%.17g*(%.17g*y+2*(%.17g*y+" Y3 "/" R2 ")/" R2 "-2*" Y3 "/" R2
+                           "^3)\"\n"
                            "    - \"0\"\n"
                            "probes: [{name: top, point: [0.02, 1.1, 0.25]}]\n" END;
 

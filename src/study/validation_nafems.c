@@ -34,8 +34,8 @@ static void plate_map(int block, const double at[3], double x[3]) {
   ellipse(at, 0.6, x);
 }
 
-static const LthBlockModel membrane = {1, membrane_map, {2, 4, 1}},
-                           plate = {1, plate_map, {2, 4, 1}};
+static const LthBlockModel membrane = {1, membrane_map, {2, 4, 1}, true},
+                           plate = {1, plate_map, {2, 4, 1}, false};
 
 static const char membrane_scene[] = "lithe: 1\n"
                                      "title: NAFEMS LE1, elliptic membrane\n"
@@ -60,7 +60,7 @@ LitheStatus lth_study_le1(LthStudyRun *run) {
       .quantity = {{"stress yy at D", "Pa", "probes.D.stress.1", 92.7e6, 0, 0.04,
                     "a stress at a corner of the body; NAFEMS' target is that of plane stress"}},
       .n_methods = 3,
-      .method = {lth_case_dg_sliced(16, 32, 64), lth_case_dg_mesh(1, 2, 4),
+      .method = {lth_case_dg_sliced(16, 32, 64), lth_case_dg_mesh(4, 8, 16),
                  lth_case_cg_mesh(1, 2, 4)}};
   return lth_case_run(run, &c);
 }

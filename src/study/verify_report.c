@@ -165,7 +165,7 @@ static void judge(Comparison *c, double tolerance) {
 static void plot_energy(Comparison *c) {
   LthTable *t = lth_study_table(&c->run->report, "energy", "Strain energy by refinement", "method");
   LthPlot *plot = lth_study_plot(&c->run->report, "energy", "Strain energy by refinement",
-                                 "cells along the longest side", "strain energy [J]");
+                                 "cells along the longest side [-]", "strain energy [J]");
   double row[2];
   int first = 0;
   t->is_long = true;

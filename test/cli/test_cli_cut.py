@@ -103,6 +103,14 @@ with folder() as d:
     expect("a_blade_bends_inside_elements", abs(n["area"] - (0.3 + 0.2 * 2 ** 0.5 + 0.1)) < 1e-12 and n["pieces"] == 1, n)
     n = cut("{blade: {path: [[0.5, 1.1, -0.1], [0.5, 0.7, -0.1]], depth: [0, 0, 0.55]}}")
     expect("and_ends_at_its_depth_to_the_element", abs(n["area"] - 0.4 * 0.6) < 1e-12, n)
+    n = cut("{blade: {path: [[0.5, 1.1, -0.1], [0.5, 0.6, -0.1]], depth: [0, 0, 1.2]}}")
+    expect("one_that_ends_on_a_face_goes_no_further", abs(n["area"] - 0.4) < 1e-12 and n["split"] == 10, n)
+    moved = CUBE.replace("time: static", "gravity: [0, 0, 0]\ntime: {kind: dynamic, duration: 0.02, step: 0.01}").replace(
+        "    constraints", "    initial: {displacement: [0, 1, 0]}\n    constraints", 1).replace("displacement: [0, 0, 0]", "displacement: [0, 1, 0]")
+    n = solve(d, moved.replace("CUT", "{at: 0.01, blade: {path: [[0.5, 2.1, -0.1], [0.5, 1.5, -0.1]], depth: [0, 0, 1.2]}}"))[1]["topology"][0]
+    expect("a_blade_is_where_the_body_has_moved", abs(n["area"] - 0.6) < 1e-12 and n["split"] == 15, n)
+    n = solve(d, moved.replace("CUT", "{at: 0.01, plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}, within: {box: {min: [0, 1.49, 0], max: [1, 2, 1]}}}"))[1]["topology"][0]
+    expect("and_so_is_what_a_plane_cuts_within", abs(n["area"] - 0.6) < 1e-12 and n["split"] == 15, n)
     n = cut("{carve: {box: {min: [0.1, -0.1, 0.15], max: [0.83, 2, 0.9]}}, keep: inside}")
     expect("carving_keeps_the_inside", abs(n["volume"] - 0.73 * 0.75) < 1e-12 and n["pieces"] == 1, n)
     n = cut("{carve: {box: {min: [0.1, 0.13, 0.15], max: [0.83, 0.77, 0.9]}}, keep: outside}")

@@ -3,7 +3,7 @@
 copy is built, and its checks run until one of them fails; one that none finds is a survivor. Exit status 1 where there is one, or a
 mutant that does not fit the sources, or a check that fails without any.
 
-usage: mutate.py [--only WORD] [--short] [--all] [--resume] [--table FILE] [--jobs N]
+usage: mutate.py [--only WORD] [--short] [--all] [--resume] [--fit] [--table FILE] [--jobs N]
 """
 import argparse
 import json
@@ -90,8 +90,22 @@ def run_test(name, jobs):
     return "fails", next((f for f in failed if not f[0].isdigit()), "exit status %d" % got.returncode).split(":")[-1].strip()
 
 
+def run_cli(name, jobs):
+    made = build("lithe_app", jobs)
+    if made.returncode:
+        return "does not build", made.stdout[-2000:]
+    got = run([sys.executable, str(TREE / "test/cli" / ("test_cli_%s.py" % name)), str(BUILD / "apps/lithe/lithe")])
+    if got is None:
+        return "fails", "did not end"
+    if got.returncode == 0:
+        return "holds", ""
+    failed = [line[5:] for line in got.stdout.splitlines() if line.startswith("FAIL ")]
+    return "fails", failed[0] if failed else "exit status %d" % got.returncode
+
+
 def check(name, jobs):
-    return run_study(name[6:], jobs) if name.startswith("study ") else run_test(name, jobs)
+    kind, _, rest = name.partition(" ")
+    return {"study": run_study, "cli": run_cli}[kind](rest, jobs) if rest else run_test(name, jobs)
 
 
 def key(group, mutant):
@@ -128,6 +142,18 @@ def try_mutant(group, mutant, args):
     return "found", ", ".join(c for c, _ in found), found[0][1]
 
 
+def check_fit(chosen):
+    """Every text that a mutant replaces stands in the sources once: those that do not are told."""
+    good = True
+    for group, (what, name, old, *_) in chosen:
+        file = ROOT / "src" / name
+        n = file.read_text().count(old) if file.is_file() else 0
+        if n != 1:
+            print("error: %s, %s: '%s' stands %d times in src/%s" % (group, what, old, n, name))
+            good = False
+    return good
+
+
 def check_unchanged(chosen, args):
     """Checks that fail without any mutant prove nothing."""
     good = True
@@ -148,7 +174,7 @@ def write_table(path, rows, seconds):
                   "%d of %d are found, in %.0f minutes.\n\n" % (found, len(rows), seconds / 60))
         out.write("| formula | wrong factor in | file | found by | what fails |\n| --- | --- | --- | --- | --- |\n")
         for group, mutant, verdict, by, why in rows:
-            by = "`lithe %s`" % by if by.startswith("study ") else "`%s`" % by if by else "**nothing: %s**" % verdict
+            by = "`lithe %s`" % by if by.startswith("study ") else "`test_%s`" % by.replace(" ", "_") if by.startswith("cli ") else "`%s`" % by if by else "**nothing: %s**" % verdict
             out.write("| %s | %s | `%s` | %s | %s |\n" % (group, mutant[0], mutant[1], by, why.replace("_", " ").replace("|", "\\|")[:110]))
 
 
@@ -158,11 +184,15 @@ def main():
     parser.add_argument("--short", action="store_true", help="one mutant of each main formula")
     parser.add_argument("--all", action="store_true", help="all checks of every mutant, not the first that finds it")
     parser.add_argument("--resume", action="store_true", help="keep what an earlier run found, try the others")
+    parser.add_argument("--fit", action="store_true", help="only look whether every mutant fits the sources")
     parser.add_argument("--table", help="write the table to this file")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
     chosen = [(g, MUTANTS[g][i]) for g, i in SHORT] if args.short else [(g, m) for g, list_ in MUTANTS.items() for m in list_]
     chosen = [(g, m) for g, m in chosen if args.only in g or args.only in m[0]]
+    fits = check_fit(chosen)
+    if args.fit or not fits:
+        return 0 if fits else 1
     SCRATCH.mkdir(parents=True, exist_ok=True)
     copy_sources()
     configure()

@@ -79,7 +79,7 @@ static void plots_tell_the_order_of_their_points(void **state) {
   LthPlot *plot = lth_study_plot(&report, "p", "", "", "");
   plot->orders = LTH_PLOT_ORDERS_OF_CELLS;
   lth_plot_series(plot, "e", table, 0, 1);
-  CHECK_NEAR(lth_plot_order(plot, plot->series, NULL), 2, 1e-13);
+  CHECK_NEAR(lth_plot_order(plot, plot->series), 2, 1e-13);
   lth_arena_free(&arena);
   lithe_ctx_destroy(&ctx);
 }

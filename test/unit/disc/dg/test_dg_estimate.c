@@ -178,11 +178,98 @@ static void inertia_balances_weight_and_held_cells_are_passed_over(void **state)
   test_body_free(&b);
 }
 
+/// Turned, and stretched evenly, under the tractions of that stress: nothing is missing.
+static void a_stretched_body_has_no_error_however_it_is_turned(void **state) {
+  (void)state;
+  TestBody b = test_body(TEST_HEXAHEDRA, bar, 1);
+  b.def.warped = true;
+  test_assemble(&b, 0);
+  const double U[9] = {1.1, 0, 0, 0, 0.95, 0, 0, 0, 1};
+  double R[9], F[9], S[9] = {0}, P[9], lambda, mu;
+  test_rotation(1.1, R);
+  lth_m3_mul(R, U, F);
+  test_affine(&b, F, (double[3]){3, 1, -2}, b.x0, b.x);
+  lth_dg_update_rotations(b.op, b.x);
+  lth_lame(1000, 0.3, &lambda, &mu);
+  for (int i = 0; i < 9; i += 4) S[i] = lambda * 0.05 + 2 * mu * (U[i] - 1);
+  lth_m3_mul(R, S, P);
+  b.patches[0] = test_patches(b.ctx, b.mesh, test_everywhere);
+  LthLoad load = {.kind = LTH_LOAD_STRESS, .patches = b.patches[0]};
+  for (int i = 0; i < 9; i++) load.stress[i].constant = P[i];
+  LthDgEstimateDef def = {.op = b.op, .x = b.x, .loads = &load, .n_loads = 1};
+  double *parts = estimate(&b, &def), rounding = 1e-12 * lth_dg_energy(b.op, 0, b.x);
+  for (int i = 0; i < LTH_ESTIMATE_PARTS; i++) CHECK_AT_MOST(total(&b, parts, i), rounding);
+  lth_free(b.ctx, parts);
+  test_body_free(&b);
+}
+
+/// Elements that are moved as they are have no stress: all of the energy is that of jumps and holds, and counts twice.
+static void jumps_count_with_twice_their_energy(void **state) {
+  (void)state;
+  for (int degree = 1; degree <= 2; degree++) {
+    TestBody b = test_body(TEST_TETRAHEDRA, bar, degree);
+    uint64_t seed = 11;
+    test_hold(&b, test_facing_down_x);
+    test_assemble(&b, 0);
+    for (LitheIndex c = 0; c < b.space->n_cells; c++)
+      for (int a = 0; a < 3; a++)
+        b.x[3 * b.space->func_off[c] + a] += 0.01 * (test_random(&seed) - 0.5);
+    LthDgEstimateDef def = {.op = b.op, .x = b.x};
+    double *parts = estimate(&b, &def), energy = lth_dg_energy(b.op, 0, b.x);
+    CHECK_NEAR(total(&b, parts, LTH_ESTIMATE_JUMPS), 2 * energy, 1e-12 * energy);
+    lth_free(b.ctx, parts);
+    test_body_free(&b);
+  }
+}
+
+/// Where the traction jumps by T between two materials, the shares of the two sides make up the whole, and the
+/// stiffer one has more: a jump costs it less.
+static void a_jump_of_traction_is_shared_by_two_materials(void **state) {
+  (void)state;
+  TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {2, 1, 1}, {2, 1, 1}}, 1);
+  double lambda[2], mu[2], stretch[9] = {1.01, 0, 0, 0, 1, 0, 0, 0, 1}, share[2];
+  b.young[1] = 5000;
+  test_assemble(&b, 0);
+  for (int s = 0; s < 2; s++) lth_lame(b.young[s], 0.3, &lambda[s], &mu[s]);
+  test_affine(&b, stretch, (double[3]){0}, b.x0, b.r);
+  LitheCount half = 3 * (LitheCount)b.space->func_off[1];
+  memcpy(b.x + half, b.r + half, sizeof *b.x * (size_t)half);
+  LthDgEstimateDef def = {.op = b.op, .x = b.x};
+  double *parts = estimate(&b, &def), T = 0.01 * (lambda[1] + 2 * mu[1]);
+  for (int s = 0; s < 2; s++)
+    share[s] = sqrt(parts[LTH_ESTIMATE_PARTS * s + LTH_ESTIMATE_FACES] * mu[s] / 0.3) / T;
+  CHECK_NEAR(share[0] + share[1], 1, 1e-12);
+  CHECK_AT_MOST(share[0], 0.5 * share[1]);
+  lth_free(b.ctx, parts);
+  test_body_free(&b);
+}
+
+/// Legendre's polynomials of degree 2 and 3 on a cube of edge 2.
+static void waves(const void *self, const double x[3], double value[3]) {
+  const double *c = self, s = x[0] - 1;
+  lth_v3_copy(x, value);
+  value[0] += c[0] * 0.5 * (3 * s * s - 1) + c[1] * 0.5 * (5 * s * s * s - 3 * s);
+}
+
+/// Mean squares of their slopes are 3 and 6.
+static void roughness_is_the_fall_off_of_slopes(void **state) {
+  (void)state;
+  TestBody b = test_body(TEST_HEXAHEDRA, (LthGrid){{0, 0, 0}, {2, 2, 2}, {1, 1, 1}}, 3);
+  test_assemble(&b, 0);
+  test_project(&b, waves, (double[2]){0.02, 0.005}, b.x);
+  CHECK_NEAR(lth_dg_roughness(b.op, 0, b.x), sqrt(2) * 0.25, 1e-12);
+  test_body_free(&b);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(exact_solutions_have_no_error),
       cmocka_unit_test(the_estimate_turns_with_the_body),
       cmocka_unit_test(inertia_balances_weight_and_held_cells_are_passed_over),
+      cmocka_unit_test(a_stretched_body_has_no_error_however_it_is_turned),
+      cmocka_unit_test(jumps_count_with_twice_their_energy),
+      cmocka_unit_test(a_jump_of_traction_is_shared_by_two_materials),
+      cmocka_unit_test(roughness_is_the_fall_off_of_slopes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
