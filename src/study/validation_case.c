@@ -143,11 +143,13 @@ static void tell_cost(LthStudyRun *run, const LthCase *c, const LthTable *t, con
   lth_table_column(cost, "unknowns", "", 3);
   lth_table_column(cost, "time", "s", 2);
   lth_table_column(cost, "observed order of the error in h", "", 3);
+  lth_table_column(cost, "error of the finest level", "%", 3);
   for (int i = 0; i < c->n_methods; i++)
     lth_table_row(cost, c->method[i].name,
-                  (double[3]){at_one_percent(t, first[i], first[i + 1], UNKNOWNS),
+                  (double[4]){at_one_percent(t, first[i], first[i + 1], UNKNOWNS),
                               at_one_percent(t, first[i], first[i + 1], SECONDS),
-                              i < plot->n_series ? lth_plot_order(plot, plot->series + i) : NAN});
+                              i < plot->n_series ? lth_plot_order(plot, plot->series + i) : NAN,
+                              lth_table_at(t, first[i + 1] - 1, error_column(0))});
 }
 
 LitheStatus lth_case_run(LthStudyRun *run, const LthCase *c) {

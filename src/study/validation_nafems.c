@@ -93,7 +93,7 @@ LitheStatus lth_study_le10(LthStudyRun *run) {
           {{"stress yy at D", "Pa", "probes.D.stress.1", -5.38e6, 0, 0.05,
             "a stress at a corner of the body; the line that holds it is a strip of 0.1 m here"}},
       .n_methods = 3,
-      .method = {lth_case_dg_sliced(8, 16, 24), lth_case_dg_mesh(1, 2, 4),
+      .method = {lth_case_dg_sliced(9, 18, 36), lth_case_dg_mesh(2, 4, 8),
                  lth_case_cg_mesh(1, 2, 4)}};
   return lth_case_run(run, &c);
 }
