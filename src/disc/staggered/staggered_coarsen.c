@@ -2,6 +2,7 @@
 /// Zhu, Sifakis, Teran, Brandt 2010; docs/theory/staggered-multigrid.md.
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_slot.h"
+#include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
 #include <string.h>
@@ -38,6 +39,7 @@ void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *l) {
   lth_free(ctx, l->mu);
   lth_free(ctx, l->volume);
   lth_free(ctx, l->compliance);
+  lth_staggered_walls_destroy(ctx, &l->walls);
   for (int a = 0; a < 3; a++) {
     lth_free(ctx, l->shear[a]);
     lth_free(ctx, l->mass[a]);
@@ -114,39 +116,38 @@ static void fine_box(int dim, const LitheIndex cell[3], int shifted, LitheIndex 
   }
 }
 
-/// Mean of cell values over such a box.
-static double box_mean(const LthSparseGrid *fine, const double *v, const LitheIndex cell[3],
+/// No face of a cell is free and some are held: it cannot deform, and says nothing of the body before it.
+static bool is_beyond(const LthStaggeredLevel *l, const LitheIndex cell[3]) {
+  bool held = false;
+  for (int a = 0; a < l->grid->dim; a++)
+    for (int high = 0; high < 2; high++) {
+      const int state = state_at(l->state[a], lth_slot_along(l->grid, cell, a, high));
+      if (state == LTH_UNKNOWN_FREE) return false;
+      held |= state == LTH_UNKNOWN_HELD;
+    }
+  return held;
+}
+
+/// Mean of cell values over such a box, of what can deform if something can, as if there were no walls.
+static double box_mean(const LthStaggeredLevel *fine, const double *v, const LitheIndex cell[3],
                        int shifted) {
-  LitheIndex low[3], high[3];
-  fine_box(fine->dim, cell, shifted, low, high);
-  double sum = 0;
-  for (LitheIndex k = low[2]; k <= high[2]; k++)
-    for (LitheIndex j = low[1]; j <= high[1]; j++)
-      for (LitheIndex i = low[0]; i <= high[0]; i++) sum += value_at(v, lth_slot_of(fine, i, j, k));
-  return sum / (fine->dim == 3 ? 8 : 4);
-}
-
-/// All faces of a cell are held: it cannot deform.
-static bool is_rigid(const LthStaggeredLevel *l, const LitheIndex cell[3]) {
-  for (int a = 0; a < l->grid->dim; a++) {
-    LitheCount low = lth_slot_of(l->grid, cell[0], cell[1], cell[2]);
-    if (state_at(l->state[a], low) != LTH_UNKNOWN_HELD ||
-        state_at(l->state[a], lth_slot_along(l->grid, cell, a, 1)) != LTH_UNKNOWN_HELD)
-      return false;
-  }
-  return true;
-}
-
-/// Factor on means over such a box where some of its cells are rigid: the strain of the box is in the others alone, as
-/// in springs one behind the other.
-static double stiffening(const LthStaggeredLevel *fine, const LitheIndex cell[3], int shifted) {
   LitheIndex low[3], high[3], c[3];
-  int n = 0, rigid = 0;
   fine_box(fine->grid->dim, cell, shifted, low, high);
+  double sum = 0, beyond = 0;
+  int n = 0, n_beyond = 0;
   for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
     for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
-      for (c[0] = low[0]; c[0] <= high[0]; c[0]++, n++) rigid += is_rigid(fine, c);
-  return rigid == n ? 1 : (double)n / (n - rigid);
+      for (c[0] = low[0]; c[0] <= high[0]; c[0]++, n++) {
+        const LitheCount s = lth_slot_of(fine->grid, c[0], c[1], c[2]);
+        if (is_beyond(fine, c)) {
+          n_beyond++;
+          beyond += value_at(v, s);
+        } else if (value_at(v, s) != 0) {
+          const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
+          sum += v[s] / (v == fine->volume ? 1 : lth_wall_factor(&cuts));
+        }
+      }
+  return n_beyond < n ? sum / (n - n_beyond) : beyond / n;
 }
 
 /// Compliance of a coarse cell whose pressure stands for pressures in proportion to the stiffness of finer cells:
@@ -162,8 +163,10 @@ static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredL
       for (LitheIndex i = low[0]; i <= high[0]; i++) {
         LitheCount s = lth_slot_of(fine->grid, i, j, k);
         if (s < 0 || !(fine->volume[s] > 0)) continue;
-        double part = fine->mu[s] / fine->volume[s] / mu;
-        sum += part * part * fine->compliance[s];
+        const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
+        const double factor = lth_wall_factor(&cuts);
+        double part = fine->mu[s] / factor / fine->volume[s] / mu;
+        sum += part * part * fine->compliance[s] * factor;
       }
   return sum / (fine->grid->dim == 3 ? 8 : 4);
 }
@@ -195,32 +198,52 @@ static bool column_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[
          state_at(state, lth_slot_along(fine->grid, cell, a, -1)) == LTH_UNKNOWN_HELD;
 }
 
-/// True where one of the fine faces that make up a coarse one is held: if all had to be, the correction would move what
-/// the fine level holds, and the cycle diverges.
+/// How far the fine face of a cell is before a wall, in cells; behind it less than 0. Neighbours beside it in the coarse face tell.
+static double before_wall(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
+  const bool held = column_is_held(fine, cell, a);
+  double before = held ? -1 : 1.5;
+  for (int b = 0; b < fine->grid->dim; b++) {
+    if (b == a) continue;
+    LitheIndex beside[3] = {cell[0], cell[1], cell[2]};
+    beside[b] ^= 1;
+    const int state =
+        state_at(fine->state[a], lth_slot_of(fine->grid, beside[0], beside[1], beside[2]));
+    if (held && state == LTH_UNKNOWN_FREE)
+      before = fmax(before, lth_staggered_wall_way(fine, a, b, beside, cell) - 1);
+    if (!held && state == LTH_UNKNOWN_HELD)
+      before = fmin(before, lth_staggered_wall_way(fine, a, b, cell, beside));
+  }
+  return before;
+}
+
+/// Is the middle of the fine faces that make up a coarse one behind a wall? In the mixed form one held face is enough: where stiffness
+/// jumps its smoother does not bear corrections that are cut.
 static bool face_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   LitheIndex low[3], high[3], c[3];
+  bool any = false;
+  double before = 0;
   fine_box(fine->grid->dim, cell, 0, low, high);
   high[a] = low[a];
   for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
     for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
-      for (c[0] = low[0]; c[0] <= high[0]; c[0]++)
-        if (column_is_held(fine, c, a)) return true;
-  return false;
+      for (c[0] = low[0]; c[0] <= high[0]; c[0]++) any |= column_is_held(fine, c, a);
+  if (!any || fine->compliance) return any;
+  for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
+    for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
+      for (c[0] = low[0]; c[0] <= high[0]; c[0]++) before += before_wall(fine, c, a);
+  return before <= 0;
 }
 
 static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coarse, LitheCount s) {
   const LthSparseGrid *g = fine->grid;
   LitheIndex cell[3];
   lth_cell_of(coarse->grid, s, cell);
-  double stiffer = stiffening(fine, cell, 0);
-  coarse->lambda[s] = stiffer * box_mean(g, fine->lambda, cell, 0);
-  coarse->mu[s] = stiffer * box_mean(g, fine->mu, cell, 0);
-  if (fine->volume) coarse->volume[s] = box_mean(g, fine->volume, cell, 0);
+  coarse->lambda[s] = box_mean(fine, fine->lambda, cell, 0);
+  coarse->mu[s] = box_mean(fine, fine->mu, cell, 0);
+  if (fine->volume) coarse->volume[s] = box_mean(fine, fine->volume, cell, 0);
   if (fine->compliance) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
-    if (coarse->shear[e])
-      coarse->shear[e][s] =
-          stiffening(fine, cell, 7 & ~(1 << e)) * box_mean(g, fine->mu, cell, 7 & ~(1 << e));
+    if (coarse->shear[e]) coarse->shear[e][s] = box_mean(fine, fine->mu, cell, 7 & ~(1 << e));
   for (int a = 0; a < g->dim; a++) {
     coarse->mass[a][s] = face_mass(fine, cell, a);
     coarse->state[a][s] = face_is_held(fine, cell, a) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
@@ -292,5 +315,5 @@ LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount s = 0; s < coarse->grid->n_slots; s++) average_slot(fine, coarse, s);
   lth_staggered_rule_a(ctx, coarse);
-  return LITHE_OK;
+  return lth_staggered_walls_coarsen(ctx, fine, coarse);
 }

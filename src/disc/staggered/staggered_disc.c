@@ -165,7 +165,7 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(
       lth_staggered_weigh(ctx, s, def->least_fraction > 0 ? def->least_fraction : LEAST_FRACTION));
   lth_staggered_mark_held(s);
-  lth_staggered_stiffen_walls(s);
+  LITHE_TRY(lth_staggered_stiffen_walls(ctx, s));
   LITHE_TRY(settle(ctx, s));
   LITHE_TRY(number(ctx, s));
   LITHE_TRY(describe(ctx, s));

@@ -2,6 +2,7 @@
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_loose.h"
 #include "disc/staggered/staggered_slot.h"
+#include "disc/staggered/staggered_walls.h"
 
 /// How much of a cell is filled: of the finest level's cells all or nothing.
 static LitheStatus filling_of(LitheCtx *ctx, const LthStaggeredLevel *l, float **filling) {
@@ -109,6 +110,7 @@ LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *H) {
     const LthSparseGrid *g = H->level[l].grid;
     bytes += g->n_slots * (g->dim == 3 ? 8 * 8 + 3 : 5 * 8 + 2);
     bytes += g->n_slots * 8 * ((H->level[l].volume != NULL) + (H->level[l].compliance != NULL));
+    bytes += lth_staggered_walls_bytes(g, H->level[l].walls);
     bytes += g->n_blocks * (LitheCount)sizeof(LitheIndex) * (3 + g->n_neighbors);
   }
   return bytes;

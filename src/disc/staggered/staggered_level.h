@@ -15,6 +15,8 @@ typedef enum LthUnknownState {
   LTH_UNKNOWN_HELD
 } LthUnknownState;
 
+typedef struct LthStaggeredWalls LthStaggeredWalls; // staggered_walls.h
+
 /// All arrays are over slots of the grid (n_slots). At the slot of cell (i, j, k) stand: at the cell's centre the
 /// normal strains; component a of the displacement at the centre of its low face across axis a; shear e at the
 /// middle of its low edge along axis e (0: yz, 1: zx, 2: xy; in 2D only 2, at its low corner).
@@ -32,4 +34,5 @@ typedef struct LthStaggeredLevel {
   double *shear[3];    ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
   double *mass[3];     ///< V rho of faces [kg/m^3]; 2D: [2] is NULL
   uint8_t *state[3];   ///< LthUnknownState of faces; 2D: [2] is NULL
+  LthStaggeredWalls *walls; ///< in the weights above; NULL: held sides begin at held unknowns
 } LthStaggeredLevel;

@@ -81,7 +81,7 @@ void lth_staggered_load_beyond(const LthStaggered *s, const LthLoad *load, doubl
 // staggered_wall.c
 
 /// Samples between free unknowns and held ones get the stiffness of the way to where the hold begins.
-void lth_staggered_stiffen_walls(LthStaggered *s);
+LitheStatus lth_staggered_stiffen_walls(LitheCtx *ctx, LthStaggered *s);
 
 // staggered_assemble.c
 

@@ -118,16 +118,14 @@ ALWAYS void N(fetch_margin)(const LthSparseGrid *g, LitheIndex block, const REAL
 
 /// y = A u in a row of a block where coefficients are constant: laplacian and gradient of the divergence.
 typedef struct N(Constant) {
-  REAL centre[DIM], side[DIM][DIM], cross[3]; ///< cross[a + b - 1]
+  REAL inertia, side[DIM][DIM], cross[3]; ///< cross[a + b - 1]
 } N(Constant);
 
 ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ratio[3]) {
-  N(Constant) c;
+  N(Constant) c = {.inertia = inertia};
   for (int a = 0; a < DIM; a++) {
-    c.centre[a] = inertia;
     for (int b = 0; b < DIM; b++) {
       c.side[a][b] = (b == a ? 2 * mu + lambda : mu) * ratio[b] * ratio[b];
-      c.centre[a] += 2 * c.side[a][b];
       if (b > a) c.cross[a + b - 1] = (lambda + mu) * ratio[a] * ratio[b];
     }
   }
@@ -141,10 +139,12 @@ ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, i
   const N(Lane) uy0 = N(own)(rows, 0, r - 1, i), uy1 = N(own)(rows, 0, r + 1, i);
   const N(Lane) vy0 = N(own)(rows, 1, r - 1, i), vy1 = N(own)(rows, 1, r + 1, i);
   N(Lane)
-  x = c->centre[0] * u - c->side[0][0] * (ulo + uhi) - c->side[0][1] * (uy0 + uy1) -
+  x = c->inertia * u + c->side[0][0] * ((u - ulo) - (uhi - u)) +
+      c->side[0][1] * ((u - uy0) - (uy1 - u)) -
       c->cross[0] * ((vy1 - v) - (N(low)(rows, 1, r + 1, i) - vlo));
   N(Lane)
-  z1 = c->centre[1] * v - c->side[1][0] * (vlo + vhi) - c->side[1][1] * (vy0 + vy1) -
+  z1 = c->inertia * v + c->side[1][0] * ((v - vlo) - (vhi - v)) +
+       c->side[1][1] * ((v - vy0) - (vy1 - v)) -
        c->cross[0] * ((uhi - u) - (N(high)(rows, 0, r - 1, i) - uy0));
 #if DIM == 3
   const N(Lane) w = N(own)(rows, 2, r, i);
@@ -153,13 +153,14 @@ ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, i
   const N(Lane) uz0 = N(own)(rows, 0, r - ROWS_Z, i), uz1 = N(own)(rows, 0, r + ROWS_Z, i);
   const N(Lane) vz0 = N(own)(rows, 1, r - ROWS_Z, i), vz1 = N(own)(rows, 1, r + ROWS_Z, i);
   const N(Lane) wz0 = N(own)(rows, 2, r - ROWS_Z, i), wz1 = N(own)(rows, 2, r + ROWS_Z, i);
-  x -= c->side[0][2] * (uz0 + uz1) +
+  x += c->side[0][2] * ((u - uz0) - (uz1 - u)) -
        c->cross[1] * ((wz1 - w) - (N(low)(rows, 2, r + ROWS_Z, i) - wlo));
-  z1 -= c->side[1][2] * (vz0 + vz1) +
+  z1 += c->side[1][2] * ((v - vz0) - (vz1 - v)) -
         c->cross[2] * ((wz1 - w) - (N(own)(rows, 2, r + ROWS_Z - 1, i) - wy0));
   N(store)
-  (y + 2 * CELLS, c->centre[2] * w - c->side[2][0] * (wlo + whi) - c->side[2][1] * (wy0 + wy1) -
-                      c->side[2][2] * (wz0 + wz1) -
+  (y + 2 * CELLS, c->inertia * w + c->side[2][0] * ((w - wlo) - (whi - w)) +
+                      c->side[2][1] * ((w - wy0) - (wy1 - w)) +
+                      c->side[2][2] * ((w - wz0) - (wz1 - w)) -
                       c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
                       c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
 #endif
