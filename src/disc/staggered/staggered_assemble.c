@@ -60,7 +60,8 @@ static void add_normal(const LthStaggered *s, LitheCount cell, int at, int a, do
                        Rows *rows) {
   if (!lth_staggered_is_live(&s->level, cell)) return;
   for (int b = 0; b < s->dim; b++) {
-    double modulus = s->level.lambda[cell] + (a == b ? 2 * s->level.mu[cell] : 0);
+    const LitheCount own = lth_level_at(&s->level, cell);
+    double modulus = s->level.lambda[own] + (a == b ? 2 * s->level.mu[own] : 0);
     double value = c * modulus / s->grid->h[b];
     rows->block[at + weight_of[b]][3 * a + b] += value;
     rows->block[at][3 * a + b] -= value;
@@ -70,7 +71,7 @@ static void add_normal(const LthStaggered *s, LitheCount cell, int at, int a, do
 /// tau_ab of the edge at offset `at`, times c, into row a.
 static void add_shear(const LthStaggered *s, LitheCount edge, int at, int a, int b, double c,
                       Rows *rows) {
-  double shear = edge < 0 ? 0 : s->level.shear[3 - a - b][edge];
+  double shear = lth_level_value(&s->level, s->level.shear[3 - a - b], edge);
   if (!(shear > 0)) return;
   double along = c * shear / s->grid->h[b], across = c * shear / s->grid->h[a];
   rows->block[at][3 * a + a] += along;
@@ -163,7 +164,8 @@ static void visit_load(const LthStaggered *s, LitheIndex row, const LitheCount *
     for (int k = 0; k < 2; k++)
       if (lth_staggered_is_live(&s->level, side[k]))
         f[a] += (k ? -1 : 1) * volume / s->grid->h[a] *
-                (2 * s->level.mu[side[k]] + s->dim * s->level.lambda[side[k]]);
+                (2 * s->level.mu[lth_level_at(&s->level, side[k])] +
+                 s->dim * s->level.lambda[lth_level_at(&s->level, side[k])]);
   }
 }
 

@@ -1,4 +1,4 @@
-/// Conjugate gradients in double precision around the V-cycle, on vectors that lie as the blocks do.
+/// Conjugate gradients in double precision around the V-cycle, on vectors that lie as those of the cycle do.
 // Vectors p, r and q; the V-cycle's x and y lie where q does: q is of use between A p and the next residual alone.
 #include "disc/staggered/staggered_multigrid_priv.h"
 #include "disc/staggered/staggered_slot.h"
@@ -16,35 +16,42 @@ static LitheIndex func_of(const LthStaggeredMultigrid *M, LitheCount slot) {
   return M->def.func ? M->def.func[slot] : (LitheIndex)slot;
 }
 
+/// Calls for every cell of the rows of a block: its place i in vectors, and its slot; component a is a side further on.
+#define EACH_CELL(L, block, i, slot)                                                               \
+  for (LitheIndex q_ = (L)->first[block]; q_ < (L)->first[(block) + 1]; q_++)                      \
+    for (LitheCount i = q_ * (LitheCount)lth_fast_width(L), slot = lth_fast_slot(L, block, q_),    \
+                    end_ = slot + (L)->grid->side;                                                 \
+         slot < end_; i++, slot++)
+
 void lth_staggered_scatter(const LthStaggeredMultigrid *M, int threads, bool only_free,
-                           const double *x, double *blocks) {
+                           const double *x, double *rows) {
   const LthStaggeredLevel *l = &M->fine;
-  LitheCount n = l->grid->block_cells;
+  const LthFastLevel *L = &M->level[0];
+  const LitheIndex side = l->grid->side;
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
-    for (LitheCount i = 0; i < n; i++) {
-      LitheIndex f = func_of(M, b * n + i);
+  for (LitheIndex k = 0; k < L->n_active; k++) EACH_CELL(L, L->active[k], i, slot) {
+      LitheIndex f = func_of(M, slot);
       for (int a = 0; a < l->grid->dim; a++) {
-        uint8_t state = l->state[a][b * n + i];
+        uint8_t state = l->state[a][slot];
         bool counts = f >= 0 && (only_free ? state == LTH_UNKNOWN_FREE : state != LTH_UNKNOWN_DEAD);
-        blocks[b * M->block + a * n + i] = counts ? x[3 * (LitheCount)f + a] : 0;
+        rows[i + a * side] = counts ? x[3 * (LitheCount)f + a] : 0;
       }
     }
 }
 
 void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held,
-                          const double *blocks, double *y) {
+                          const double *rows, double *y) {
   const LthStaggeredLevel *l = &M->fine;
-  LitheCount n = l->grid->block_cells;
+  const LthFastLevel *L = &M->level[0];
+  const LitheIndex side = l->grid->side;
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
-    for (LitheCount i = 0; i < n; i++) {
-      LitheIndex f = func_of(M, b * n + i);
+  for (LitheIndex k = 0; k < L->n_active; k++) EACH_CELL(L, L->active[k], i, slot) {
+      LitheIndex f = func_of(M, slot);
       if (f < 0) continue;
       for (int a = 0; a < 3; a++) {
-        uint8_t state = a < l->grid->dim ? l->state[a][b * n + i] : LTH_UNKNOWN_DEAD;
+        uint8_t state = a < l->grid->dim ? l->state[a][slot] : LTH_UNKNOWN_DEAD;
         bool counts = state == LTH_UNKNOWN_FREE || (held && state == LTH_UNKNOWN_HELD);
-        y[3 * (LitheCount)f + a] = counts ? blocks[b * M->block + a * n + i] : 0;
+        y[3 * (LitheCount)f + a] = counts ? rows[i + a * side] : 0;
       }
     }
 }
@@ -53,22 +60,41 @@ void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held
 static void turn_direction(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha, double beta,
                            bool renew, double *w) {
   const LthFastLevel *L = &M->level[0];
-  const LthStaggeredLevel *l = &M->fine;
-  LitheCount n = l->grid->block_cells;
+  const LitheIndex side = L->grid->side, dim = L->grid->dim;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < L->n_active; k++) {
-    LitheIndex b = L->active[k];
-    double *p = M->p + b * M->block;
-    if (alpha != 0 && w)
-      for (LitheCount i = 0; i < n; i++) {
-        LitheIndex f = func_of(M, b * n + i);
+    const LitheIndex b = L->active[k];
+    if (alpha != 0 && w) EACH_CELL(L, b, i, slot) {
+        LitheIndex f = func_of(M, slot);
         if (f < 0) continue;
-        for (int a = 0; a < l->grid->dim; a++) w[3 * (LitheCount)f + a] += alpha * p[a * n + i];
+        for (int a = 0; a < dim; a++) w[3 * (LitheCount)f + a] += alpha * M->p[i + a * side];
       }
     if (!renew) continue;
-    const float *z = L->x.at + b * L->x.stride;
-    for (LitheCount i = 0; i < M->block; i++) p[i] = z[i] + beta * p[i];
+    for (LitheIndex q = L->first[b]; q < L->first[b + 1]; q++) {
+      double *p = M->p + q * M->width;
+      const float *z = L->x.at + q * L->x.stride;
+      for (LitheCount i = 0; i < M->width; i++) p[i] = z[i] + beta * p[i];
+    }
   }
+}
+
+/// q += y at free unknowns; returns the sum of p . y.
+static double add_extra(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *y) {
+  const LthFastLevel *L = &M->level[0];
+  const LitheIndex side = L->grid->side;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex k = 0; k < L->n_active; k++) {
+    M->sum[k] = 0;
+    EACH_CELL(L, L->active[k], i, slot) {
+      LitheIndex f = func_of(M, slot);
+      for (int a = 0; f >= 0 && a < L->grid->dim; a++) {
+        if (M->fine.state[a][slot] != LTH_UNKNOWN_FREE) continue;
+        M->work[i + a * side] += y[3 * (LitheCount)f + a];
+        M->sum[k] += M->p[i + a * side] * y[3 * (LitheCount)f + a];
+      }
+    }
+  }
+  return lth_staggered_sum(M);
 }
 
 /// q = A p; returns p . q.
@@ -82,21 +108,7 @@ static double apply_operator(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthO
   if (!extra) return sum;
   lth_staggered_gather(M, lth_threads(ctx), false, M->p, M->extra_x);
   extra->apply(extra->self, lth_threads(ctx), M->extra_x, M->extra_y);
-  LitheCount n = M->fine.grid->block_cells;
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex i = 0; i < L->n_active; i++) {
-    LitheIndex b = L->active[i];
-    M->sum[i] = 0;
-    for (LitheCount j = 0; j < M->block; j++) {
-      LitheCount slot = b * n + j % n;
-      LitheIndex f = func_of(M, slot);
-      if (M->fine.state[j / n][slot] != LTH_UNKNOWN_FREE || f < 0) continue;
-      double y = M->extra_y[3 * (LitheCount)f + j / n];
-      M->work[b * M->block + j] += y;
-      M->sum[i] += M->p[b * M->block + j] * y;
-    }
-  }
-  return sum + lth_staggered_sum(M);
+  return sum + add_extra(ctx, M, M->extra_y);
 }
 
 /// r -= alpha q and b = scale r in single precision; returns r . r.
@@ -104,11 +116,11 @@ static double advance(LitheCtx *ctx, LthStaggeredMultigrid *M, double alpha, dou
   const LthFastLevel *L = &M->level[0];
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < L->n_active; k++) {
-    LitheIndex b = L->active[k];
-    double *r = M->r + b * M->block, lane[8] = {0};
-    const double *q = M->work + b * M->block;
-    float *single = L->b.at + b * L->b.stride;
-    for (LitheCount i = 0; i < M->block; i += 8)
+    const LitheIndex first = L->first[L->active[k]], n = L->first[L->active[k] + 1] - first;
+    double *r = M->r + first * M->width, lane[8] = {0};
+    const double *q = M->work + first * M->width;
+    float *single = L->b.at + first * L->b.stride; // without gaps
+    for (LitheCount i = 0; i < n * M->width; i += 8)
       for (int s = 0; s < 8; s++) {
         double value = r[i + s] - alpha * q[i + s];
         r[i + s] = value;
@@ -126,7 +138,7 @@ static double true_residual(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOp
                             const double *rhs, const double *w, bool is_zero, double scale) {
   lth_staggered_scatter(M, lth_threads(ctx), true, rhs, M->r);
   if (is_zero) {
-    memset(M->p, 0, sizeof *M->p * (size_t)(M->fine.grid->n_blocks * M->block));
+    memset(M->p, 0, sizeof *M->p * (size_t)(M->level[0].n_rows * M->width));
     return sqrt(advance(ctx, M, 0, scale));
   }
   lth_staggered_scatter(M, lth_threads(ctx), true, w, M->p);
@@ -136,14 +148,13 @@ static double true_residual(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOp
 
 static double norm_of(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *v) {
   const LthFastLevel *L = &M->level[0];
-  LitheCount n = M->fine.grid->block_cells;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < L->n_active; k++) {
     M->sum[k] = 0;
-    for (LitheCount i = 0; i < n; i++) {
-      LitheIndex f = func_of(M, L->active[k] * n + i);
-      for (int a = 0; f >= 0 && a < M->fine.grid->dim; a++)
-        if (M->fine.state[a][L->active[k] * n + i] == LTH_UNKNOWN_FREE)
+    EACH_CELL(L, L->active[k], i, slot) {
+      LitheIndex f = func_of(M, slot);
+      for (int a = 0; f >= 0 && a < L->grid->dim; a++)
+        if (M->fine.state[a][slot] == LTH_UNKNOWN_FREE)
           M->sum[k] += v[3 * (LitheCount)f + a] * v[3 * (LitheCount)f + a];
     }
   }
@@ -183,19 +194,18 @@ static LitheStatus iterate(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOpe
 static void uniform_force(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   static const double direction[3] = {0.6, -1, 0.8};
   const LthStaggeredLevel *l = &M->fine;
-  const LitheCount n = l->grid->block_cells;
+  const LthFastLevel *L = &M->level[0];
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex b = 0; b < l->grid->n_blocks; b++)
-    for (int a = 0; a < l->grid->dim; a++)
-      for (LitheCount i = 0; i < n; i++) {
-        const LitheCount slot = b * n + i;
-        LitheIndex cell[3];
-        lth_cell_of(l->grid, slot, cell);
+  for (LitheIndex k = 0; k < L->n_active; k++) EACH_CELL(L, L->active[k], i, slot) {
+      LitheIndex cell[3];
+      lth_cell_of(l->grid, slot, cell);
+      for (int a = 0; a < l->grid->dim; a++) {
         LitheCount before = lth_slot_along(l->grid, cell, a, -1);
-        double V = l->volume[slot] + (before < 0 ? 0 : l->volume[before]);
+        double V = lth_level_value(l, l->volume, slot) + lth_level_value(l, l->volume, before);
         bool counts = l->state[a][slot] == LTH_UNKNOWN_FREE;
-        M->r[b * M->block + a * n + i] = counts ? V * direction[a] : 0;
+        M->r[i + a * l->grid->side] = counts ? V * direction[a] : 0;
       }
+    }
 }
 
 LitheStatus lth_staggered_multigrid_trial(LitheCtx *ctx, LthStaggeredMultigrid *M, double tolerance,

@@ -103,8 +103,8 @@ static bool join_small(Forest *f, int n, int enough) {
 }
 
 /// Clusters of a block: `local` and their number.
-static LitheIndex split_block(const LthStaggeredLevel *l, LitheIndex block, Forest *f,
-                              uint16_t *local) {
+static LitheIndex split_block(const LthFastLevel *L, LitheIndex block, Forest *f, uint16_t *local) {
+  const LthStaggeredLevel *l = L->level;
   const LitheIndex n = l->grid->block_cells, size = l->grid->dim * n;
   list_links(l, block, f);
   join_strong(f);
@@ -113,28 +113,29 @@ static LitheIndex split_block(const LthStaggeredLevel *l, LitheIndex block, Fore
   int *number = f->size;
   for (LitheIndex i = 0; i < size; i++) number[i] = -1;
   for (LitheIndex i = 0; i < size; i++) {
-    local[i] = LTH_CLUSTER_NONE;
-    if (l->state[i / n][(LitheCount)block * n + i % n] != LTH_UNKNOWN_FREE) continue;
+    const LitheCount slot = (LitheCount)block * n + i % n;
+    if (l->state[i / n][slot] != LTH_UNKNOWN_FREE) continue;
     int root = root_of(f, i);
     if (number[root] < 0) number[root] = count++;
-    local[i] = (uint16_t)number[root];
+    local[lth_fast_place(L, slot, i / n)] = (uint16_t)number[root];
   }
   return count;
 }
 
 static LitheStatus split_all(LitheCtx *ctx, LthStaggeredClusters *C) {
   const LthSparseGrid *g = C->level->grid;
-  const LitheCount size = (LitheCount)g->dim * g->block_cells;
+  const LitheCount size = C->level->n_rows * (LitheCount)lth_fast_width(C->level);
   Forest *forest = NULL;
   LTH_NEW(ctx, C->first, g->n_blocks + 1);
-  LTH_NEW(ctx, C->local, g->n_blocks * size);
+  LTH_NEW(ctx, C->local, size);
+  memset(C->local, 0xff, sizeof *C->local * (size_t)size); // LTH_CLUSTER_NONE
   LTH_NEW(ctx, forest, lth_threads(ctx));
 #pragma omp parallel num_threads(lth_threads(ctx))
   {
     Forest *own = forest + omp_get_thread_num();
 #pragma omp for schedule(static)
     for (LitheIndex b = 0; b < g->n_blocks; b++)
-      C->first[b + 1] = split_block(C->level->level, b, own, C->local + b * size);
+      C->first[b + 1] = split_block(C->level, b, own, C->local);
   }
   lth_free(ctx, forest);
   for (LitheIndex b = 0; b < g->n_blocks; b++) C->first[b + 1] += C->first[b];

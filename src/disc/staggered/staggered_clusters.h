@@ -17,7 +17,7 @@ typedef struct LthStaggeredClusters {
   LitheIndex n;      ///< clusters
   LitheIndex *first; ///< clusters of blocks before a block                      (n_blocks + 1)
   uint16_t *
-      local; ///< cluster in its block, laid out as vectors; NONE: not free (n_blocks x dim x block_cells)
+      local; ///< cluster in its block, laid out as vectors; NONE: not free (level->n_rows x dim x side)
   double *centre; ///< [m] from the grid's origin                             (n x 3)
   double *T;      ///< row-major                                               (n x 6 x 6)
   double *near; ///< rigid motions of the body in orthonormal ones; until levels are made (A->n x 6)
@@ -54,11 +54,12 @@ LitheStatus lth_staggered_clusters_pattern(LitheCtx *ctx, LthStaggeredClusters *
 void lth_staggered_clusters_fill(LthStaggeredClusters *clusters, int threads, double cm, double ck,
                                  double unit);
 
-/// Cluster of the unknown that lies at `at` in a block's vectors, -1: none.
+/// Cluster of the unknown at component (at / block_cells) of cell (at mod block_cells) of a block, -1: none.
 static inline LitheIndex lth_cluster_at(const LthStaggeredClusters *C, LitheIndex block,
                                         LitheCount at) {
-  LitheCount size = (LitheCount)C->level->grid->dim * C->level->grid->block_cells;
-  uint16_t k = C->local[block * size + at];
+  const LitheIndex n = C->level->grid->block_cells;
+  const LitheCount slot = (LitheCount)block * n + at % n;
+  uint16_t k = C->local[lth_fast_place(C->level, slot, (int)(at / n))];
   return k == LTH_CLUSTER_NONE ? -1 : C->first[block] + k;
 }
 

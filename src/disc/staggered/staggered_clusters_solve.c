@@ -43,11 +43,15 @@ static void place_of(const LthSparseGrid *g, LitheIndex block, LitheCount at, do
   lth_cluster_place(g, (int)(at / g->block_cells), cell, x);
 }
 
+static float *value_of(const LthFastLevel *L, LthFastVector v, LitheIndex block, LitheCount at) {
+  const LitheIndex n = L->grid->block_cells;
+  return lth_fast_value(L, v, (LitheCount)block * n + at % n, (int)(at / n));
+}
+
 /// Forces on the clusters of a block: b = T^T sum of b_i y_i.
 static void gather(LthStaggeredClusters *C, LitheIndex block) {
   const LthFastLevel *L = C->level;
   const LitheCount n = L->grid->dim * L->grid->block_cells;
-  const float *y = L->y.at + block * L->y.stride;
   for (LitheIndex k = C->first[block]; k < C->first[block + 1]; k++)
     memset(C->motion + 6 * (LitheCount)k, 0, 6 * sizeof *C->motion);
   for (LitheCount at = 0; at < n; at++) {
@@ -55,10 +59,11 @@ static void gather(LthStaggeredClusters *C, LitheIndex block) {
     if (k < 0) continue;
     double x[3], value[3], *force = C->motion + 6 * (LitheCount)k;
     int index[3];
+    const double y = *value_of(L, L->y, block, at);
     place_of(L->grid, block, at, x);
     lth_cluster_row(L->grid->h[0], (int)(at / L->grid->block_cells), x,
                     C->centre + 3 * (LitheCount)k, index, value);
-    for (int i = 0; i < 3; i++) force[index[i]] += value[i] * y[at];
+    for (int i = 0; i < 3; i++) force[index[i]] += value[i] * y;
   }
   for (LitheIndex k = C->first[block]; k < C->first[block + 1]; k++) {
     const double *T = C->T + 36 * (LitheCount)k, *force = C->motion + 6 * (LitheCount)k;
@@ -73,7 +78,6 @@ static void gather(LthStaggeredClusters *C, LitheIndex block) {
 static void scatter(LthStaggeredClusters *C, LitheIndex block) {
   const LthFastLevel *L = C->level;
   const LitheCount n = L->grid->dim * L->grid->block_cells;
-  float *to = L->x.at + block * L->x.stride;
   for (LitheIndex k = C->first[block]; k < C->first[block + 1]; k++) {
     const double *T = C->T + 36 * (LitheCount)k;
     double *motion = C->motion + 6 * (LitheCount)k;
@@ -93,7 +97,7 @@ static void scatter(LthStaggeredClusters *C, LitheIndex block) {
     lth_cluster_row(L->grid->h[0], (int)(at / L->grid->block_cells), x,
                     C->centre + 3 * (LitheCount)k, index, value);
     for (int i = 0; i < 3; i++) sum += value[i] * motion[index[i]];
-    to[at] += (float)sum;
+    *value_of(L, L->x, block, at) += (float)sum;
   }
 }
 
@@ -139,7 +143,8 @@ LitheCount lth_staggered_clusters_bytes(const LthStaggeredClusters *C) {
   const LthSparseGrid *g = C->level->grid;
   const LthBlockMatrix *A = C->A;
   LitheCount blocks = A->block_off[A->n_rows];
-  LitheCount bytes = (LitheCount)g->n_blocks * (4 + 2 * (LitheCount)g->dim * g->block_cells);
+  LitheCount bytes = 4 * (LitheCount)g->n_blocks;
+  bytes += 2 * (LitheCount)C->level->n_rows * lth_fast_width(C->level);
   bytes += (LitheCount)C->n * 8 * (3 + 36 + 36 + 6 + 3) + 40 * A->n;
   bytes += 8 * A->value_off[blocks] + 12 * blocks + C->threads * C->most * 36 * 8;
   return bytes + (C->levels ? lth_multilevel_bytes(C->levels) : 0);

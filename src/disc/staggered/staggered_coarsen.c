@@ -7,45 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
-
 static int state_at(const uint8_t *state, LitheCount slot) {
   return slot < 0 ? LTH_UNKNOWN_DEAD : state[slot];
 }
 
 static bool is_solid(const LthStaggeredLevel *l, LitheCount slot) {
-  return slot >= 0 && (l->mu[slot] > 0 || l->lambda[slot] > 0);
-}
-
-LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
-                                      LthStaggeredLevel *l) {
-  LitheStatus status = LITHE_OK;
-  *l = (LthStaggeredLevel){.grid = grid};
-  LTH_NEW_OR(done, ctx, l->lambda, grid->n_slots);
-  LTH_NEW_OR(done, ctx, l->mu, grid->n_slots);
-  for (int a = 0; a < 3; a++) {
-    if (grid->dim == 3 || a == 2) LTH_NEW_OR(done, ctx, l->shear[a], grid->n_slots);
-    if (a == grid->dim) continue;
-    LTH_NEW_OR(done, ctx, l->mass[a], grid->n_slots);
-    LTH_NEW_OR(done, ctx, l->state[a], grid->n_slots);
-  }
-done:
-  if (status != LITHE_OK) lth_staggered_level_free(ctx, l);
-  return status;
-}
-
-void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *l) {
-  lth_free(ctx, l->lambda);
-  lth_free(ctx, l->mu);
-  lth_free(ctx, l->volume);
-  lth_free(ctx, l->compliance);
-  lth_staggered_walls_destroy(ctx, &l->walls);
-  for (int a = 0; a < 3; a++) {
-    lth_free(ctx, l->shear[a]);
-    lth_free(ctx, l->mass[a]);
-    lth_free(ctx, l->state[a]);
-  }
-  *l = (LthStaggeredLevel){.grid = l->grid};
+  return lth_level_value(l, l->mu, slot) > 0 || lth_level_value(l, l->lambda, slot) > 0;
 }
 
 /// Cells of a block that hold something: lowest and highest, or false.
@@ -141,10 +108,10 @@ static double box_mean(const LthStaggeredLevel *fine, const double *v, const Lit
         const LitheCount s = lth_slot_of(fine->grid, c[0], c[1], c[2]);
         if (is_beyond(fine, c)) {
           n_beyond++;
-          beyond += value_at(v, s);
-        } else if (value_at(v, s) != 0) {
+          beyond += lth_level_value(fine, v, s);
+        } else if (lth_level_value(fine, v, s) != 0) {
           const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
-          sum += v[s] / (v == fine->volume ? 1 : lth_wall_factor(&cuts));
+          sum += lth_level_value(fine, v, s) / (v == fine->volume ? 1 : lth_wall_factor(&cuts));
         }
       }
   return n_beyond < n ? sum / (n - n_beyond) : beyond / n;
@@ -183,7 +150,8 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
     for (LitheIndex k = low[2]; k <= high[2]; k++)
       for (LitheIndex j = low[1]; j <= high[1]; j++)
         for (LitheIndex i = low[0]; i <= high[0]; i++)
-          sum += along[s] * fmax(0, value_at(fine->mass[a], lth_slot_of(fine->grid, i, j, k)));
+          sum += along[s] *
+                 fmax(0, lth_level_value(fine, fine->mass[a], lth_slot_of(fine->grid, i, j, k)));
   }
   return sum / (fine->grid->dim == 3 ? 4 : 2);
 }

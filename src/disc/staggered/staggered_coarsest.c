@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-static double value_at(const double *v, LitheCount slot) { return slot < 0 ? 0 : v[slot]; }
-
 static void add_entry(const LthStaggeredLevel *l, int b, LitheCount slot, double value,
                       LthStaggeredEntry *entry, int *n) {
   if (slot < 0 || value == 0 || l->state[b][slot] == LTH_UNKNOWN_DEAD) return;
@@ -29,8 +27,10 @@ int lth_staggered_row(const LthStaggeredLevel *l, double cm, double ck, int a, L
   LitheIndex cell[3];
   lth_cell_of(g, s, cell);
   LitheCount before = lth_slot_along(g, cell, a, -1);
-  double high = (2 * l->mu[s] + l->lambda[s]) * ia * ia;
-  double low = (2 * value_at(l->mu, before) + value_at(l->lambda, before)) * ia * ia;
+  const LitheCount at = lth_level_at(l, s);
+  double here = l->lambda[at], there = lth_level_value(l, l->lambda, before);
+  double high = (2 * l->mu[at] + here) * ia * ia;
+  double low = (2 * lth_level_value(l, l->mu, before) + there) * ia * ia;
   double centre = high + low;
   int n = 1;
   add_entry(l, a, lth_slot_along(g, cell, a, 1), -scale * high, entry, &n);
@@ -39,17 +39,18 @@ int lth_staggered_row(const LthStaggeredLevel *l, double cm, double ck, int a, L
     if (b == a) continue;
     double ib = 1 / g->h[b];
     LitheCount after = lth_slot_along(g, cell, b, 1);
-    double below = value_at(l->shear[3 - a - b], s), above = value_at(l->shear[3 - a - b], after);
+    const double *shear = l->shear[3 - a - b];
+    double below = shear[at], above = lth_level_value(l, shear, after);
     centre += (below + above) * ib * ib;
     add_entry(l, a, after, -scale * above * ib * ib, entry, &n);
     add_entry(l, a, lth_slot_along(g, cell, b, -1), -scale * below * ib * ib, entry, &n);
-    double f = scale * ia * ib, here = l->lambda[s], there = value_at(l->lambda, before);
+    double f = scale * ia * ib;
     add_entry(l, b, s, f * (here + below), entry, &n);
     add_entry(l, b, after, -f * (here + above), entry, &n);
     add_entry(l, b, before, -f * (there + below), entry, &n);
     add_entry(l, b, neighbor(g, cell, a, -1, b, 1), f * (there + above), entry, &n);
   }
-  entry[0] = (LthStaggeredEntry){s, a, scale * centre + volume * cm * l->mass[a][s]};
+  entry[0] = (LthStaggeredEntry){s, a, scale * centre + volume * cm * l->mass[a][at]};
   return n;
 }
 
@@ -68,7 +69,7 @@ static LitheStatus number_unknowns(LitheCtx *ctx, LthStaggeredCoarsest *C, Lithe
     for (int a = 0; a < g->dim; a++) {
       *index_of(C, a, s) = -1;
       if (C->level->level->state[a][s] != LTH_UNKNOWN_FREE) continue;
-      C->place[at] = (s / g->block_cells * g->dim + a) * g->block_cells + s % g->block_cells;
+      C->place[at] = s * g->dim + a;
       *index_of(C, a, s) = at++;
     }
   return LITHE_OK;
@@ -76,10 +77,9 @@ static LitheStatus number_unknowns(LitheCtx *ctx, LthStaggeredCoarsest *C, Lithe
 
 /// Slot and component of an unknown.
 static LitheCount slot_of(const LthStaggeredCoarsest *C, LitheIndex i, int *a) {
-  LitheIndex n = C->level->grid->block_cells;
-  int dim = C->level->grid->dim;
-  *a = (int)(C->place[i] / n % dim);
-  return C->place[i] / n / dim * n + C->place[i] % n;
+  const int dim = C->level->grid->dim;
+  *a = (int)(C->place[i] % dim);
+  return C->place[i] / dim;
 }
 
 /// Columns of a row, ascending; `value` may be NULL.
@@ -169,13 +169,17 @@ LitheStatus lth_staggered_coarsest_set(LitheCtx *ctx, LthStaggeredCoarsest *C, d
 
 LitheStatus lth_staggered_coarsest_solve(LitheCtx *ctx, LthStaggeredCoarsest *C) {
   const LthFastLevel *L = C->level;
-  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
-  for (LitheCount i = 0; i < C->A->n; i++)
-    C->value[i] = L->b.at[C->place[i] / block * L->b.stride + C->place[i] % block];
+  int a;
+  for (LitheIndex i = 0; i < C->A->n_rows; i++) {
+    LitheCount slot = slot_of(C, i, &a);
+    C->value[i] = *lth_fast_value(L, L->b, slot, a);
+  }
   LITHE_TRY(C->engine->solve(ctx, C->factor, C->value, C->value));
-  for (LitheIndex b = 0; b < L->n_active; b++)
-    memset(L->x.at + L->active[b] * L->x.stride, 0, sizeof *L->x.at * (size_t)block);
-  for (LitheCount i = 0; i < C->A->n; i++)
-    L->x.at[C->place[i] / block * L->x.stride + C->place[i] % block] = (float)C->value[i];
+  for (LitheIndex q = 0; q < L->n_rows; q++)
+    memset(L->x.at + q * L->x.stride, 0, sizeof *L->x.at * (size_t)lth_fast_width(L));
+  for (LitheIndex i = 0; i < C->A->n_rows; i++) {
+    LitheCount slot = slot_of(C, i, &a);
+    *lth_fast_value(L, L->x, slot, a) = (float)C->value[i];
+  }
   return LITHE_OK;
 }

@@ -21,7 +21,7 @@ int lth_staggered_row(const LthStaggeredLevel *level, double cm, double ck, int 
 typedef struct LthStaggeredCoarsest {
   const LthFastLevel *level;
   LthBlockMatrix *A; ///< over free unknowns, blocks of one; NULL: too many for a factor
-  LitheCount *place; ///< of an unknown in the vectors of a dense stride            (A->n)
+  LitheCount *place; ///< of an unknown: (slot) dim + component                      (A->n)
   LitheIndex *index; ///< of an unknown in A, component by component over slots, -1 (dim x n_slots)
   const LthEngine *engine;
   LthFactor *factor;

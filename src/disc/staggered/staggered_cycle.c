@@ -64,8 +64,9 @@ static LitheStatus solve_coarsest(LthFastLevel *L, LitheCtx *ctx, LthStaggeredMu
   for (LitheIndex i = 0; sum && i < L->n_active; i++) {
     LitheIndex b = L->active[i];
     sum[i] = 0;
-    for (LitheCount j = 0; j < M->block; j++)
-      sum[i] += (double)L->b.at[b * L->b.stride + j] * L->x.at[b * L->x.stride + j];
+    for (LitheIndex q = L->first[b]; q < L->first[b + 1]; q++)
+      for (LitheCount j = 0; j < M->width; j++)
+        sum[i] += (double)L->b.at[q * L->b.stride + j] * L->x.at[q * L->x.stride + j];
   }
   return LITHE_OK;
 }

@@ -11,10 +11,9 @@ static void destroy(LitheCtx *ctx, LthDisc *disc) {
   lth_mixed_solver_destroy(ctx, s);
   lth_mixed_state_destroy(ctx, s);
   lth_staggered_solver_destroy(ctx, s);
-  s->level.volume = NULL; // freed below
   lth_staggered_level_free(ctx, &s->level);
-  void *blocks[] = {s->volume, s->func, s->slot,    s->cell, s->cell_slot, s->held,     s->hold,
-                    s->beyond, s->f0,   s->partial, s->sums, s->degree,    s->row_func, s};
+  void *blocks[] = {s->func, s->slot,    s->cell, s->cell_slot, s->held,     s->hold, s->beyond,
+                    s->f0,   s->partial, s->sums, s->degree,    s->row_func, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
 }
 
@@ -136,9 +135,9 @@ static LitheStatus settle(LitheCtx *ctx, LthStaggered *s) {
   lth_staggered_drop_unread(s);
   double whole = 0, left = 0;
   for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
-    whole += s->volume[slot];
-    if (!lth_staggered_is_live(&s->level, slot)) s->volume[slot] = 0;
-    left += s->volume[slot];
+    whole += s->level.volume[slot];
+    if (!lth_staggered_is_live(&s->level, slot)) s->level.volume[slot] = 0;
+    left += s->level.volume[slot];
   }
   if (loose.n_cells > 0)
     lth_warn(ctx,
@@ -155,8 +154,7 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "%lld cells in blocks of the grid are too many for one body",
                (long long)s->grid->n_slots);
   LITHE_TRY(lth_staggered_level_alloc(ctx, s->grid, &s->level));
-  LTH_NEW(ctx, s->volume, s->grid->n_slots);
-  s->level.volume = s->volume;
+  LTH_NEW(ctx, s->level.volume, s->grid->n_slots);
   if (s->formulation == LTH_FORM_MIXED) LTH_NEW(ctx, s->level.compliance, s->grid->n_slots);
   LTH_NEW(ctx, s->func, s->grid->n_slots);
   LTH_NEW(ctx, s->cell, s->grid->n_slots);
@@ -173,6 +171,7 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(lth_staggered_build_beyond(ctx, s));
   LITHE_TRY(lth_mixed_state_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
+  if (s->formulation == LTH_FORM_DISPLACEMENT) LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
   LITHE_TRY(lth_staggered_solver_create(ctx, s));
   return s->formulation == LTH_FORM_MIXED ? lth_mixed_solver_create(ctx, s) : LITHE_OK;
 }

@@ -31,12 +31,14 @@ static double slot_energy(const LthStaggered *s, const LitheCount *slot, const i
     double e[3];
     normal_strain(s, slot, stride, x, e);
     double trace = e[0] + e[1] + e[2];
-    sum += level->mu[*slot] * lth_v3_dot(e, e) + 0.5 * level->lambda[*slot] * trace * trace;
+    const LitheCount at = lth_level_at(level, *slot);
+    sum += level->mu[at] * lth_v3_dot(e, e) + 0.5 * level->lambda[at] * trace * trace;
   }
   for (int k = lth_staggered_first_edge(s); k < 3; k++) {
-    if (!(level->shear[k][*slot] > 0)) continue;
+    const double mu = lth_level_value(level, level->shear[k], *slot);
+    if (!(mu > 0)) continue;
     double g = shear_strain(s, slot, stride, (k + 1) % 3, (k + 2) % 3, x);
-    sum += 0.5 * level->shear[k][*slot] * g * g;
+    sum += 0.5 * mu * g * g;
   }
   return sum;
 }
@@ -72,8 +74,9 @@ static const int near_stride[3] = {1, 3, 9};
 /// Normal stresses of the live cell at slot[0] [Pa].
 static void normal_stress(const LthStaggered *s, const LitheCount *slot, const double *x,
                           double stress[3]) {
-  double e[3], V = s->volume[*slot];
-  double lambda = s->level.lambda[*slot] / V, mu = s->level.mu[*slot] / V;
+  const LitheCount at = lth_level_at(&s->level, *slot);
+  double e[3], V = s->level.volume[at];
+  double lambda = s->level.lambda[at] / V, mu = s->level.mu[at] / V;
   double p = lth_mixed_pressure(s, *slot);
   normal_strain(s, slot, near_stride, x, e);
   for (int a = 0; a < 3; a++) stress[a] = 2 * mu * e[a] + lambda * (e[0] + e[1] + e[2]) + p;
@@ -120,12 +123,13 @@ static double mix_shear(const LthStaggered *s, const LitheCount near[27], const 
     int da = k & 1, db = k >> 1 & 1, de = (k >> 2) - 1;
     LitheCount slot = near[13 + da * near_stride[a] + db * near_stride[b] + de * near_stride[e]];
     double w = hat(r[a], 2 * da - 1) * hat(r[b], 2 * db - 1) * hat(r[e], 2 * de);
-    if (w == 0 || slot < 0 || !(s->level.shear[e][slot] > 0)) continue;
+    const double mu = lth_level_value(&s->level, s->level.shear[e], slot);
+    if (w == 0 || !(mu > 0)) continue;
     LitheCount own[27];
     around(s->grid, slot, own);
     double V = lth_staggered_edge_fraction(s, own + 13, near_stride, e);
     sum += w;
-    stress += w * (s->level.shear[e][slot] / V) * shear_strain(s, own + 13, near_stride, a, b, x);
+    stress += w * (mu / V) * shear_strain(s, own + 13, near_stride, a, b, x);
   }
   return sum > 0 ? stress / sum : 0;
 }

@@ -19,20 +19,21 @@ static bool same_around(const LthStaggeredLevel *l, LitheIndex block, const doub
       for (int i = low; i <= high; i++) {
         LitheCount s = lth_slot_of(g, place[0] * g->side + i, place[1] * g->side + j,
                                    deep ? place[2] * g->side + k : 0);
-        if (s < 0 || !near_enough(v[s], value)) return false;
+        if (s < 0 || !near_enough(v[lth_level_at(l, s)], value)) return false;
       }
   return true;
 }
 
 static bool is_uniform(const LthStaggeredLevel *l, LitheIndex block) {
   const LthSparseGrid *g = l->grid;
-  LitheCount first = (LitheCount)block * g->block_cells;
-  double mu = l->mu[first], rho = l->mass[0][first];
+  LitheCount first = (LitheCount)block * g->block_cells, at = lth_level_at(l, first);
+  double mu = l->mu[at], rho = l->mass[0][at];
   for (int a = 0; a < g->dim; a++)
     for (LitheCount s = first; s < first + g->block_cells; s++)
-      if (l->state[a][s] != LTH_UNKNOWN_FREE || !near_enough(l->mass[a][s], rho)) return false;
+      if (l->state[a][s] != LTH_UNKNOWN_FREE || !near_enough(l->mass[a][lth_level_at(l, s)], rho))
+        return false;
   if (!(mu > 0) || !same_around(l, block, l->mu, -1, g->side - 1, mu) ||
-      !same_around(l, block, l->lambda, -1, g->side - 1, l->lambda[first]))
+      !same_around(l, block, l->lambda, -1, g->side - 1, l->lambda[at]))
     return false;
   for (int e = 0; e < 3; e++)
     if (l->shear[e] && !same_around(l, block, l->shear[e], 0, g->side, mu)) return false;
@@ -49,6 +50,36 @@ static LthBlockKind kind_of(const LthStaggeredLevel *l, LitheIndex block) {
   return is_uniform(l, block) ? LTH_BLOCK_UNIFORM : LTH_BLOCK_GENERAL;
 }
 
+/// Some unknown of the row of slots is alive.
+static bool row_is_alive(const LthStaggeredLevel *l, LitheCount first) {
+  for (int a = 0; a < l->grid->dim; a++)
+    for (int i = 0; i < l->grid->side; i++)
+      if (l->state[a][first + i] != LTH_UNKNOWN_DEAD) return true;
+  return false;
+}
+
+/// Give places in vectors to rows that are alive, block by block, from 1 on.
+static LitheStatus number_rows(LitheCtx *ctx, LthFastLevel *L) {
+  const LthSparseGrid *g = L->grid;
+  const LitheIndex rows = g->block_cells / g->side;
+  LTH_NEW(ctx, L->row, (LitheCount)g->n_blocks * rows);
+  LTH_NEW(ctx, L->first, (LitheCount)g->n_blocks + 1);
+  L->n_rows = 1;
+  for (LitheIndex b = 0; b < g->n_blocks; b++) {
+    L->first[b] = L->n_rows;
+    for (LitheIndex r = 0; r < rows; r++) {
+      const LitheCount at = (LitheCount)b * rows + r;
+      if (L->kind[b] != LTH_BLOCK_EMPTY && row_is_alive(L->level, at * g->side))
+        L->row[at] = L->n_rows++;
+    }
+  }
+  L->first[g->n_blocks] = L->n_rows;
+  LTH_NEW(ctx, L->local, L->n_rows);
+  for (LitheCount r = 0; r < (LitheCount)g->n_blocks * rows; r++)
+    if (L->row[r] > 0) L->local[L->row[r]] = (uint8_t)(r % rows);
+  return LITHE_OK;
+}
+
 static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
   LitheIndex n = L->grid->n_blocks;
   LTH_NEW(ctx, L->kind, n);
@@ -59,12 +90,16 @@ static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
   for (LitheIndex b = 0; b < n; b++) L->kind[b] = (uint8_t)kind_of(L->level, b);
   for (LitheIndex b = 0; b < n; b++) L->n_active += L->kind[b] != LTH_BLOCK_EMPTY;
   LTH_NEW(ctx, L->active, L->n_active);
+  LITHE_TRY(number_rows(ctx, L));
   LitheIndex at = 0;
   for (LitheIndex b = 0; b < n; b++) {
-    L->number[b] = L->kind[b] == LTH_BLOCK_GENERAL ? L->n_general++ : -1;
+    L->number[b] = -1;
     L->scaled[b] = -1;
     L->same_scale[b] = 1;
     if (L->kind[b] != LTH_BLOCK_EMPTY) L->active[at++] = b;
+    if (L->kind[b] != LTH_BLOCK_GENERAL) continue;
+    L->number[b] = L->n_general;
+    L->n_general += L->first[b + 1] - L->first[b];
   }
   return LITHE_OK;
 }
@@ -73,7 +108,7 @@ static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
 /// four faces around an edge give 4, two dim faces around a cell (8 mu + 4 dim lambda) / (4 mu + 2 lambda).
 static double stiffest_of(const LthStaggeredLevel *l) {
   double ratio = 0, d = l->grid->dim;
-  for (LitheCount s = 0; s < l->grid->n_slots; s++)
+  for (LitheCount s = 0; s < (LitheCount)l->n_rows * l->grid->side; s++)
     if (l->mu[s] > 0 && l->lambda[s] > ratio * l->mu[s]) ratio = l->lambda[s] / l->mu[s];
   return fmax(4, (8 + 4 * d * ratio) / (4 + 2 * ratio));
 }
@@ -82,25 +117,27 @@ LitheStatus lth_fast_level_analyse(LitheCtx *ctx, const LthStaggeredLevel *level
   *L = (LthFastLevel){.level = level, .grid = level->grid};
   for (int a = 0; a < 3; a++) L->ratio[a] = level->grid->h[0] / level->grid->h[a];
   L->stiffest = stiffest_of(level);
-  LitheIndex side = level->grid->side + 1;
-  L->n_sample = level->grid->dim == 3 ? 5 * side * side * side : 3 * side * side;
   LitheStatus status = sort_blocks(ctx, L);
   if (status != LITHE_OK) lth_fast_level_free(ctx, L);
   return status;
 }
 
 LitheStatus lth_fast_level_reserve(LitheCtx *ctx, LthFastLevel *L, bool with_mass) {
-  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
+  const LitheCount width = lth_fast_width(L), side = L->grid->side;
   if (!L->constant) LTH_NEW(ctx, L->constant, 3 * (LitheCount)L->grid->n_blocks);
-  if (!L->sample) LTH_NEW(ctx, L->sample, (LitheCount)L->n_general * L->n_sample);
-  if (!L->inverse) LTH_NEW(ctx, L->inverse, L->n_general * block);
-  if (!L->inertia && with_mass) LTH_NEW(ctx, L->inertia, L->n_general * block);
+  if (!L->sample)
+    LTH_NEW(ctx, L->sample, ((LitheCount)L->level->n_rows + 1) * lth_fast_samples(L) * side);
+  if (!L->inverse) LTH_NEW(ctx, L->inverse, L->n_general * width);
+  if (!L->inertia && with_mass) LTH_NEW(ctx, L->inertia, L->n_general * width);
   return LITHE_OK;
 }
 
 void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
   lth_free(ctx, L->active);
   lth_free(ctx, L->kind);
+  lth_free(ctx, L->row);
+  lth_free(ctx, L->first);
+  lth_free(ctx, L->local);
   lth_free(ctx, L->number);
   lth_free(ctx, L->constant);
   lth_free(ctx, L->sample);
@@ -113,58 +150,49 @@ void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
   *L = (LthFastLevel){0};
 }
 
-static void set_samples(LthFastLevel *L, LitheIndex block) {
+static void set_samples(LitheCtx *ctx, LthFastLevel *L) {
   const LthStaggeredLevel *l = L->level;
-  const LthSparseGrid *g = L->grid;
   const double *from[5] = {l->lambda, l->mu, l->shear[2], l->shear[0], l->shear[1]};
-  const LitheIndex *place = g->place + 3 * (LitheCount)block;
-  float *to = L->sample + (LitheCount)L->number[block] * L->n_sample;
-  int deep = g->dim == 3;
-  for (int v = 0; v < (deep ? 5 : 3); v++) {
-    int low = v < 2 ? -1 : 0, n = g->side + 1;
-    for (int k = 0; k < (deep ? n : 1); k++)
-      for (int j = 0; j < n; j++)
-        for (int i = 0; i < n; i++) {
-          LitheCount s = lth_slot_of(g, place[0] * g->side + low + i, place[1] * g->side + low + j,
-                                     deep ? place[2] * g->side + low + k : 0);
-          *to++ = s < 0 ? 0 : (float)(L->stiff * from[v][s]);
-        }
-  }
+  const int n = lth_fast_samples(L), side = L->grid->side;
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex r = 0; r < l->n_rows; r++)
+    for (int v = 0; v < n; v++)
+      for (int i = 0; i < side; i++)
+        L->sample[((LitheCount)r * n + v) * side + i] =
+            (float)(L->stiff * from[v][(LitheCount)r * side + i]);
 }
-
-static double at_slot(const double *v, LitheCount s) { return s < 0 ? 0 : v[s]; }
 
 /// Diagonal entry over stiff.
 static double diagonal_of(const LthFastLevel *L, int a, LitheCount s, const LitheIndex cell[3]) {
   const LthStaggeredLevel *l = L->level;
-  LitheCount before = lth_slot_along(L->grid, cell, a, -1);
-  double d =
-      L->ratio[a] * L->ratio[a] *
-      (2 * l->mu[s] + l->lambda[s] + 2 * at_slot(l->mu, before) + at_slot(l->lambda, before));
+  const LitheCount at = lth_level_at(l, s), before = lth_slot_along(L->grid, cell, a, -1);
+  double d = L->ratio[a] * L->ratio[a] *
+             (2 * l->mu[at] + l->lambda[at] + 2 * lth_level_value(l, l->mu, before) +
+              lth_level_value(l, l->lambda, before));
   for (int b = 0; b < L->grid->dim; b++) {
     if (b == a) continue;
     const double *shear = l->shear[3 - a - b];
-    d += L->ratio[b] * L->ratio[b] *
-         (shear[s] + at_slot(shear, lth_slot_along(L->grid, cell, b, 1)));
+    LitheCount after = lth_slot_along(L->grid, cell, b, 1);
+    d += L->ratio[b] * L->ratio[b] * (shear[at] + lth_level_value(l, shear, after));
   }
   return d;
 }
 
 static void set_inverse(LthFastLevel *L, LitheIndex block) {
   const LthStaggeredLevel *l = L->level;
-  LitheCount n = L->grid->block_cells, first = (LitheCount)block * n;
-  float *inverse = L->inverse + (LitheCount)L->number[block] * L->grid->dim * n;
-  float *inertia = L->inertia ? L->inertia + (inverse - L->inverse) : NULL;
-  for (int a = 0; a < L->grid->dim; a++)
-    for (LitheCount i = 0; i < n; i++) {
-      LitheIndex cell[3];
-      lth_cell_of(L->grid, first + i, cell);
-      bool alive = l->state[a][first + i] == LTH_UNKNOWN_FREE;
-      double m = L->inert * l->mass[a][first + i];
-      inverse[a * n + i] =
-          alive ? (float)(1 / (L->stiff * diagonal_of(L, a, first + i, cell) + m)) : 0;
-      if (inertia) inertia[a * n + i] = alive ? (float)m : 0;
+  const LitheIndex width = lth_fast_width(L), side = L->grid->side;
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
+    const LitheCount from = (L->number[block] + q - L->first[block]) * (LitheCount)width;
+    for (LitheIndex i = 0; i < width; i++) {
+      LitheCount s = lth_fast_slot(L, block, q) + i % side;
+      LitheIndex cell[3], a = i / side;
+      lth_cell_of(L->grid, s, cell);
+      bool alive = l->state[a][s] == LTH_UNKNOWN_FREE;
+      double m = L->inert * l->mass[a][lth_level_at(l, s)];
+      L->inverse[from + i] = alive ? (float)(1 / (L->stiff * diagonal_of(L, a, s, cell) + m)) : 0;
+      if (L->inertia) L->inertia[from + i] = alive ? (float)m : 0;
     }
+  }
 }
 
 /// Least share of inertia in the diagonal entries of a block's free unknowns.
@@ -179,7 +207,8 @@ static double inertia_share(const LthFastLevel *L, LitheIndex block) {
     }
     return c[2] / (c[2] + 2 * (c[1] * sides + (c[1] + c[0]) * wide));
   }
-  LitheCount n = L->grid->dim * L->grid->block_cells, first = L->number[block] * n;
+  const LitheCount width = lth_fast_width(L), first = L->number[block] * width;
+  const LitheCount n = (L->first[block + 1] - L->first[block]) * width;
   for (LitheCount i = first; i < first + n; i++)
     if (L->inverse[i] > 0) least = fmin(least, (double)L->inertia[i] * L->inverse[i]);
   return least;
@@ -199,62 +228,67 @@ void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *L, double cm, double ck, do
   double volume = lth_sparse_grid_cell_volume(L->grid);
   L->stiff = volume * ck / (L->grid->h[0] * L->grid->h[0] * unit);
   L->inert = volume * cm / unit;
+  set_samples(ctx, L);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex b = L->active[i];
-    LitheCount first = (LitheCount)b * L->grid->block_cells;
+    const LitheCount first = lth_level_at(l, (LitheCount)b * L->grid->block_cells);
     float *c = L->constant + 3 * (LitheCount)b;
     c[0] = (float)(L->stiff * l->lambda[first]);
     c[1] = (float)(L->stiff * l->mu[first]);
     c[2] = (float)(L->inert * l->mass[0][first]);
-    if (L->kind[b] != LTH_BLOCK_GENERAL) continue;
-    set_samples(L, b);
-    set_inverse(L, b);
+    if (L->kind[b] == LTH_BLOCK_GENERAL) set_inverse(L, b);
   }
   L->greatest = greatest_of(ctx, L);
 }
 
 /// Weights in x.
 static void mark_there(LitheCtx *ctx, LthFastLevel *L, double unit) {
-  LitheCount n = L->grid->block_cells;
+  const LitheIndex width = lth_fast_width(L), side = L->grid->side;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
-    for (int a = 0; a < L->grid->dim; a++)
-      for (LitheCount i = 0; i < n; i++)
-        L->x.at[b * L->x.stride + a * n + i] =
-            (float)lth_staggered_pull(L->level, unit, a, b * n + i);
+    for (LitheIndex q = L->first[b]; q < L->first[b + 1]; q++)
+      for (LitheIndex i = 0; i < width; i++)
+        L->x.at[q * L->x.stride + i] =
+            (float)lth_staggered_pull(L->level, unit, i / side, lth_fast_slot(L, b, q) + i % side);
 }
 
 /// Keep the weights in x of a coarse level.
 static LitheStatus keep_pull(LitheCtx *ctx, LthFastLevel *L) {
-  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
-  LTH_NEW(ctx, L->pull, L->grid->n_blocks * block);
-  for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
-    memcpy(L->pull + b * block, L->x.at + b * L->x.stride, sizeof(float) * (size_t)block);
+  const LitheCount width = lth_fast_width(L);
+  LTH_NEW(ctx, L->pull, L->n_rows * width);
+  for (LitheIndex q = 1; q < L->n_rows; q++)
+    memcpy(L->pull + q * width, L->x.at + q * L->x.stride, sizeof(float) * (size_t)width);
   return LITHE_OK;
+}
+
+static bool is_free(const LthFastLevel *L, LitheIndex block, LitheIndex q, LitheIndex i) {
+  const LitheIndex side = L->grid->side;
+  return L->level->state[i / side][lth_fast_slot(L, block, q) + i % side] == LTH_UNKNOWN_FREE;
 }
 
 /// Inverse of the sums of weights in x where they are the same for all unknowns, and these free; else 0. Sums of equal
 /// weights differ by rounding, which single precision does not tell from what it does itself.
 static float same_scale(const LthFastLevel *L, LitheIndex block) {
-  LitheCount n = L->grid->block_cells;
-  const float *sum = L->x.at + block * L->x.stride;
-  if (!(sum[0] > 0)) return 0;
-  for (LitheCount i = 0; i < L->grid->dim * n; i++)
-    if (fabsf(sum[i] - sum[0]) > 4 * FLT_EPSILON * sum[0] ||
-        L->level->state[i / n][block * n + i % n] != LTH_UNKNOWN_FREE)
-      return 0;
-  return 1 / sum[0];
+  const float *first = L->x.at + L->first[block] * L->x.stride;
+  if (!(first[0] > 0)) return 0;
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
+    const float *sum = L->x.at + q * L->x.stride;
+    for (LitheIndex i = 0; i < lth_fast_width(L); i++)
+      if (fabsf(sum[i] - first[0]) > 4 * FLT_EPSILON * first[0] || !is_free(L, block, q, i))
+        return 0;
+  }
+  return 1 / first[0];
 }
 
 static void set_scale(LthFastLevel *L, LitheIndex block) {
-  LitheCount n = L->grid->block_cells;
-  const float *sum = L->x.at + block * L->x.stride;
-  float *scale = L->scale + L->scaled[block] * L->grid->dim * n;
-  for (LitheCount i = 0; i < L->grid->dim * n; i++)
-    scale[i] = L->level->state[i / n][block * n + i % n] == LTH_UNKNOWN_FREE && sum[i] > 0
-                   ? 1 / sum[i]
-                   : 0;
+  const LitheIndex width = lth_fast_width(L);
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
+    const float *sum = L->x.at + q * L->x.stride;
+    float *scale = L->scale + (L->scaled[block] + q - L->first[block]) * (LitheCount)width;
+    for (LitheIndex i = 0; i < width; i++)
+      scale[i] = is_free(L, block, q, i) && sum[i] > 0 ? 1 / sum[i] : 0;
+  }
 }
 
 LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse) {
@@ -266,11 +300,12 @@ LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *co
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex b = L->active[i];
     float same = same_scale(L, b);
-    L->scaled[b] = same > 0 ? -1 : L->n_scaled++;
+    L->scaled[b] = same > 0 ? -1 : L->n_scaled;
+    L->n_scaled += same > 0 ? 0 : L->first[b + 1] - L->first[b];
     L->same_scale[b] = same > 0 ? same : 1;
   }
   if (unit > 0) LITHE_TRY(keep_pull(ctx, coarse));
-  LTH_NEW(ctx, L->scale, (LitheCount)L->n_scaled * L->grid->dim * L->grid->block_cells);
+  LTH_NEW(ctx, L->scale, (LitheCount)L->n_scaled * lth_fast_width(L));
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < L->n_active; i++)
     if (L->scaled[L->active[i]] >= 0) set_scale(L, L->active[i]);
@@ -289,19 +324,20 @@ void lth_fast_level_unlink(LitheCtx *ctx, LthFastLevel *L) {
 
 /// All zero, as before a solve.
 void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *L) {
-  LitheCount block = (LitheCount)L->grid->dim * L->grid->block_cells;
+  const size_t bytes = sizeof(float) * (size_t)lth_fast_width(L);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex b = 0; b < L->grid->n_blocks; b++) {
-    memset(L->x.at + b * L->x.stride, 0, sizeof(float) * (size_t)block);
-    memset(L->y.at + b * L->y.stride, 0, sizeof(float) * (size_t)block);
-    memset(L->b.at + b * L->b.stride, 0, sizeof(float) * (size_t)block);
+  for (LitheIndex q = 0; q < L->n_rows; q++) {
+    memset(L->x.at + q * L->x.stride, 0, bytes);
+    memset(L->y.at + q * L->y.stride, 0, bytes);
+    memset(L->b.at + q * L->b.stride, 0, bytes);
   }
 }
 
 LitheCount lth_fast_level_bytes(const LthFastLevel *L) {
-  LitheCount n = L->grid->n_blocks, block = (LitheCount)L->grid->dim * L->grid->block_cells;
-  LitheCount values =
-      3 * n + (LitheCount)L->n_general * L->n_sample +
-      ((LitheCount)L->n_general * (L->inertia ? 2 : 1) + L->n_scaled + (L->pull ? n : 0)) * block;
-  return 4 * values + 17 * n + 4 * (LitheCount)L->n_active;
+  const LthSparseGrid *g = L->grid;
+  LitheCount n = g->n_blocks, rows = L->n_general * (L->inertia ? 2 : 1) + L->n_scaled;
+  LitheCount samples = L->sample ? (LitheCount)lth_fast_samples(L) * g->side : 0;
+  rows += L->pull ? L->n_rows : 0;
+  return 4 * (3 * n + rows * lth_fast_width(L) + (L->level->n_rows + 1) * samples) +
+         4 * g->n_slots / g->side + 21 * n + L->n_rows + 4 * (LitheCount)L->n_active;
 }

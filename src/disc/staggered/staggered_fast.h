@@ -8,10 +8,11 @@
 /// unknowns are free: its kernel has constant coefficients.
 typedef enum LthBlockKind { LTH_BLOCK_EMPTY, LTH_BLOCK_UNIFORM, LTH_BLOCK_GENERAL } LthBlockKind;
 
-/// Vectors of a level: the unknowns of block b, component a, stand at [b stride + a block_cells + cell].
+/// Vectors of a level hold rows of `side` cells along x in which some unknown is alive, component after component: that of
+/// cell i stands at [row stride + a side + i]. Row 0 is of zeros, and stands for all that is not there.
 typedef struct LthFastVector {
   float *at;
-  LitheCount stride; ///< from block to block
+  LitheCount stride; ///< from row to row
 } LthFastVector;
 
 /// Coefficients are those of (cm M + ck K) / unit; unit is the same on all levels.
@@ -25,22 +26,25 @@ typedef struct LthFastLevel {
   LitheIndex n_active; ///< blocks with unknowns that are not dead
   LitheIndex *active;  ///< ascending                                       (n_active)
   uint8_t *kind;       ///< LthBlockKind                                    (n_blocks)
-  LitheIndex *number;  ///< of a block among the general ones, else -1      (n_blocks)
+  LitheIndex n_rows;   ///< of vectors, with row 0
+  LitheIndex *row;     ///< in vectors, of rows of slots                     (n_slots / side)
+  LitheIndex *first;   ///< rows of vectors before those of a block          (n_blocks + 1)
+  uint8_t *local;      ///< place of a row of vectors in its block           (n_rows)
+  LitheIndex *number;  ///< rows of general blocks before those of a general one, else -1 (n_blocks)
   LitheIndex n_general;
   float *constant; ///< stiff lambda, stiff mu, inert rho of uniform blocks     (n_blocks x 3)
-  float *sample; ///< of general blocks: stiff (lambda, mu, shear), padded    (n_general x n_sample)
-  LitheIndex n_sample; ///< of one block
   float *
-      inertia; ///< inert mass of unknowns, NULL where cm stays 0       (n_general x dim x block_cells)
-  float
-      *inverse; ///< of the diagonal, 0 where not free               (n_general x dim x block_cells)
-  LitheIndex *scaled; ///< number of a block among those with `scale`, else -1     (n_blocks)
+      sample; ///< stiff (lambda, mu, shear xy, yz, zx) of the level's rows ((level->n_rows + 1) x 5 or 3 x side)
+  float *inertia; ///< inert mass of unknowns, NULL where cm stays 0       (n_general x dim x side)
+  float *inverse; ///< of the diagonal, 0 where not free                   (n_general x dim x side)
+  LitheIndex
+      *scaled; ///< rows with `scale` before those of a block that has one, else -1 (n_blocks)
   LitheIndex n_scaled;
   float *same_scale; ///< of all interpolated values of the other blocks    (n_blocks)
-  float *pull;       ///< weight of unknowns in interpolation to a finer level, NULL: all alike
-                     ///<                                           (n_blocks x dim x block_cells)
+  float *pull;  ///< weight of unknowns in interpolation to a finer level, a vector; NULL: all alike
+                ///<                                                (n_rows x dim x side)
   float *scale; ///< of interpolated values: 1 / sum of the weights that count, 0 where not free
-                ///<                                                 (n_scaled x dim x block_cells)
+                ///<                                                 (n_scaled x dim x side)
   LthFastVector x, y, b; ///< iterate, the one before, right-hand side
 } LthFastLevel;
 
@@ -59,6 +63,30 @@ void lth_fast_level_unlink(LitheCtx *ctx, LthFastLevel *fast);
 /// Zeros in all vectors.
 void lth_fast_level_clear(LitheCtx *ctx, LthFastLevel *fast);
 LitheCount lth_fast_level_bytes(const LthFastLevel *fast);
+
+/// Values of a sample's row.
+static inline int lth_fast_samples(const LthFastLevel *L) { return L->grid->dim == 3 ? 5 : 3; }
+/// Values of a row of vectors.
+static inline LitheIndex lth_fast_width(const LthFastLevel *L) {
+  return L->grid->dim * L->grid->side;
+}
+
+/// Where component a of a slot stands in vectors without gaps; in row 0 where nothing of its row is alive.
+static inline LitheCount lth_fast_place(const LthFastLevel *L, LitheCount slot, int a) {
+  const int bits = L->grid->dim == 3 ? 3 : 4; // log2 of the cells along a row
+  return L->row[slot >> bits] * (LitheCount)lth_fast_width(L) + (a << bits) +
+         (slot & ((1 << bits) - 1));
+}
+static inline float *lth_fast_value(const LthFastLevel *L, LthFastVector v, LitheCount slot,
+                                    int a) {
+  const int bits = L->grid->dim == 3 ? 3 : 4;
+  return v.at + L->row[slot >> bits] * v.stride + (a << bits) + (slot & ((1 << bits) - 1));
+}
+
+/// The slot of the first cell of row q of vectors, which is in a block.
+static inline LitheCount lth_fast_slot(const LthFastLevel *L, LitheIndex block, LitheIndex q) {
+  return (LitheCount)block * L->grid->block_cells + L->local[q] * (LitheCount)L->grid->side;
+}
 
 /// One step of a polynomial smoother.
 typedef struct LthFastStep {
@@ -82,7 +110,7 @@ typedef struct LthFastKernels {
   /// x += P x_coarse (or x = ...) in the fine blocks below a coarse one.
   void (*prolong_from)(const LthFastLevel *fine, const LthFastLevel *coarse,
                        LitheIndex coarse_block, bool add);
-  /// q = (cm M + ck K) p in double precision, unit not taken out; both with stride dim block_cells. 0 where not free, or
+  /// q = (cm M + ck K) p in double precision, unit not taken out; both without gaps. 0 where not free, or
   /// (`held`) where dead. Returns p . q.
   double (*apply)(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                   const double *p, double *q);

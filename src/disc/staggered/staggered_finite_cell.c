@@ -89,9 +89,9 @@ void lth_finite_cell_read(const LthStaggered *s, LitheIndex cell, const double *
     c->loose[q] = c->weight[q] > 0 ? loose_shears(c, slot, q) : 0;
     c->volume += c->weight[q];
   }
-  c->lambda = s->level.lambda[slot] / s->volume[slot];
+  c->lambda = s->level.lambda[slot] / s->level.volume[slot];
   c->material =
-      (LthFinite){.model = s->model, .dim = s->dim, .mu = s->level.mu[slot] / s->volume[slot]};
+      (LthFinite){.model = s->model, .dim = s->dim, .mu = s->level.mu[slot] / s->level.volume[slot]};
 }
 
 void lth_finite_cell_gradient(const LthFiniteCell *c, int part, double *F) {

@@ -19,7 +19,7 @@ bool lth_fringe_is_inside(const LthStaggered *s, const LitheCount *slot, const i
 
 static double sample_fraction(const LthStaggered *s, const LitheCount *slot, const int stride[3],
                               int e) {
-  if (*slot < 0 || !(s->level.shear[e][*slot] > 0)) return 0;
+  if (!(lth_level_value(&s->level, s->level.shear[e], *slot) > 0)) return 0;
   return lth_staggered_edge_fraction(s, slot, stride, e);
 }
 
@@ -27,7 +27,8 @@ bool lth_fringe_is_on_roller(const LthStaggered *s, const LitheCount *slot, cons
                              int a, int b) {
   LitheCount next = slot[-stride[a]];
   const uint8_t *state = s->level.state[b];
-  if (*slot < 0 || next < 0 || s->level.shear[3 - a - b][*slot] > 0) return false;
+  if (*slot < 0 || next < 0) return false;
+  if (lth_level_value(&s->level, s->level.shear[3 - a - b], *slot) > 0) return false;
   return state[*slot] == LTH_UNKNOWN_HELD && state[next] == LTH_UNKNOWN_HELD;
 }
 
@@ -38,7 +39,9 @@ bool lth_fringe_slope(const LthStaggered *s, const LitheCount *slot, const int s
   const double *h = s->grid->h;
   LitheCount low = slot[-stride[a]];
   for (int b = 0; b < 3; b++) slope[b] = side[b] = 0;
-  slope[a] = ((low < 0 ? 0 : s->volume[low]) - s->volume[*slot]) / h[a];
+  slope[a] = (lth_level_value(&s->level, s->level.volume, low) -
+              lth_level_value(&s->level, s->level.volume, *slot)) /
+             h[a];
   for (int b = 0; b < s->dim; b++) {
     if (b == a) continue;
     double V[2];

@@ -8,7 +8,7 @@
 static LitheStatus filling_of(LitheCtx *ctx, const LthStaggeredLevel *l, float **filling) {
   LTH_NEW(ctx, *filling, l->grid->n_slots);
   for (LitheCount s = 0; s < l->grid->n_slots; s++)
-    (*filling)[s] = l->mu[s] > 0 || l->lambda[s] > 0;
+    (*filling)[s] = l->mu[lth_level_at(l, s)] > 0 || l->lambda[lth_level_at(l, s)] > 0;
   return LITHE_OK;
 }
 
@@ -87,6 +87,8 @@ LitheStatus lth_staggered_hierarchy_create(LitheCtx *ctx, const LthStaggeredLeve
   while (more && H->n_free[H->n_levels - 1] > enough && H->n_levels < LTH_STAGGERED_MAX_LEVELS)
     LITHE_TRY_OR(done, add_level(ctx, H, thin_fraction, &filling, &more));
   LITHE_TRY_OR(done, settle_last(ctx, H));
+  for (int l = 1; lth_staggered_level_is_packed(fine) && l < H->n_levels; l++)
+    LITHE_TRY_OR(done, lth_staggered_level_pack(ctx, &H->level[l]));
 done:
   lth_free(ctx, filling);
   if (status != LITHE_OK) lth_staggered_hierarchy_destroy(ctx, hierarchy);
@@ -108,8 +110,7 @@ LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *H) {
   LitheCount bytes = 0;
   for (int l = 1; l < H->n_levels; l++) {
     const LthSparseGrid *g = H->level[l].grid;
-    bytes += g->n_slots * (g->dim == 3 ? 8 * 8 + 3 : 5 * 8 + 2);
-    bytes += g->n_slots * 8 * ((H->level[l].volume != NULL) + (H->level[l].compliance != NULL));
+    bytes += lth_staggered_level_bytes(&H->level[l]);
     bytes += lth_staggered_walls_bytes(g, H->level[l].walls);
     bytes += g->n_blocks * (LitheCount)sizeof(LitheIndex) * (3 + g->n_neighbors);
   }

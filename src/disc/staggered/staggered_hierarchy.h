@@ -14,7 +14,7 @@ typedef struct LthCoarsenDef {
 } LthCoarsenDef;
 
 /// Level 0 is the finest: its arrays are those given, borrowed for life; the others are owned. Cell I of a level
-/// covers cells 2 I and 2 I + 1 of the finer one along every axis (2D: along x and y).
+/// covers cells 2 I and 2 I + 1 of the finer one along every axis (2D: along x and y). They are packed if the finest is.
 typedef struct LthStaggeredHierarchy {
   int n_levels;
   bool stopped_thin; ///< the coarsest level is not small: a coarser one would not resolve the body
@@ -33,11 +33,6 @@ LitheCount lth_staggered_hierarchy_bytes(const LthStaggeredHierarchy *hierarchy)
 /// Rule A on a level whose lambda, mu, shear and mass are set and whose held unknowns are marked: unknowns are free
 /// where they touch a cell that holds something; samples that touch dead unknowns, and the mass of these, become 0.
 void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *level);
-
-/// Arrays of a level, all zero, on a grid, without those of the mixed form; freed by lth_staggered_level_free(), which leaves the grid.
-LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
-                                      LthStaggeredLevel *level);
-void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *level);
 
 LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *level);
 

@@ -105,7 +105,7 @@ static bool is_selected(const Loading *l, const LthFringe *rim) {
 static bool hangs(const LthStaggered *s, const LitheCount *slot, const int stride[3], int a,
                   int b) {
   const LitheCount next[2] = {slot[-stride[b]], slot[-stride[a]]};
-  if (*slot < 0 || s->level.shear[3 - a - b][*slot] > 0) return false;
+  if (*slot < 0 || lth_level_value(&s->level, s->level.shear[3 - a - b], *slot) > 0) return false;
   for (int k = 0; k < 2; k++) {
     int component = k ? a : b; // it differs along the other axis
     const uint8_t *state = s->level.state[component];

@@ -4,7 +4,7 @@
 /// Mass of an unknown [kg]; in 2D that of z is x's, so that every component weighs the whole body.
 static double mass_of(const LthStaggered *s, LitheCount k) {
   int a = (int)(k % 3);
-  double density = s->level.mass[a < s->dim ? a : 0][s->slot[k / 3]];
+  double density = s->level.mass[a < s->dim ? a : 0][lth_level_at(&s->level, s->slot[k / 3])];
   return density * lth_sparse_grid_cell_volume(s->grid);
 }
 

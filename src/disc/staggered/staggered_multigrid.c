@@ -19,9 +19,9 @@ LitheStatus lth_staggered_multigrid_create(LitheCtx *ctx, const LthStaggeredMult
   M->def = *def;
   M->fine = *def->level;
   M->n_levels = 1;
-  M->block = (LitheCount)M->fine.grid->dim * M->fine.grid->block_cells;
   LITHE_TRY_OR(done, lth_fast_level_analyse(ctx, &M->fine, &M->level[0]));
-  LitheCount n = M->fine.grid->n_blocks * M->block;
+  M->width = lth_fast_width(&M->level[0]);
+  LitheCount n = M->level[0].n_rows * M->width;
   LTH_NEW_OR(done, ctx, M->p, n);
   LTH_NEW_OR(done, ctx, M->work, n);
   LTH_NEW_OR(done, ctx, M->sum, M->level[0].n_active);
@@ -50,12 +50,12 @@ void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **mult
   *multigrid = NULL;
 }
 
-/// Level 0 shares its x and y with q, block by block; the others have x, y and b of their own.
+/// Level 0 shares its x and y with q, row by row; the others have x, y and b of their own.
 static LitheStatus lend_vectors(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
   LthFastLevel *L = &M->level[l];
-  LitheCount n = (LitheCount)L->grid->dim * L->grid->block_cells;
+  LitheCount n = lth_fast_width(L);
   int own = l == 0 ? 1 : 3;
-  LTH_NEW(ctx, M->vectors[l], own * n * L->grid->n_blocks);
+  LTH_NEW(ctx, M->vectors[l], own * n * L->n_rows);
   float *at = M->vectors[l], *work = (float *)M->work;
   L->x = l == 0 ? (LthFastVector){work, 2 * n} : (LthFastVector){at, 3 * n};
   L->y = l == 0 ? (LthFastVector){work + n, 2 * n} : (LthFastVector){at + n, 3 * n};
@@ -74,7 +74,7 @@ static LitheStatus build_bottom(LitheCtx *ctx, LthStaggeredMultigrid *M) {
 
 static LitheStatus build_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   LITHE_TRY(lth_staggered_hierarchy_create(ctx, &M->fine, NULL, &M->hierarchy));
-  LTH_NEW(ctx, M->r, M->fine.grid->n_blocks * M->block);
+  LTH_NEW(ctx, M->r, M->level[0].n_rows * M->width);
   for (int l = 1; l < M->hierarchy->n_levels; l++, M->n_levels++)
     LITHE_TRY(lth_fast_level_analyse(ctx, &M->hierarchy->level[l], &M->level[l]));
   for (int l = 0; l < M->n_levels; l++) LITHE_TRY(lend_vectors(ctx, M, l));
@@ -105,7 +105,7 @@ static LitheStatus drop_levels(LitheCtx *ctx, LthStaggeredMultigrid *M) {
 static double unit_of(const LthStaggeredMultigrid *M, double cm, double ck) {
   const LthStaggeredLevel *l = &M->fine;
   double mu = 0, rho = 0, h = l->grid->h[0];
-  for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+  for (LitheCount s = 0; s < (LitheCount)l->n_rows * l->grid->side; s++) {
     mu = fmax(mu, l->mu[s]);
     rho = fmax(rho, l->mass[0][s]);
   }
@@ -116,7 +116,7 @@ static double unit_of(const LthStaggeredMultigrid *M, double cm, double ck) {
 static int degree_of(const LthStaggeredMultigrid *M) {
   double ratio = 0;
   if (M->def.degree > 0) return M->def.degree;
-  for (LitheCount s = 0; s < M->fine.grid->n_slots; s++)
+  for (LitheCount s = 0; s < (LitheCount)M->fine.n_rows * M->fine.grid->side; s++)
     if (M->fine.mu[s] > 0) ratio = fmax(ratio, M->fine.lambda[s] / M->fine.mu[s]);
   return (int)fmin(20, round(3 * sqrt(2 + ratio)));
 }
@@ -125,7 +125,7 @@ static int degree_of(const LthStaggeredMultigrid *M) {
 static double contrast_of(const LthStaggeredMultigrid *M) {
   const LthStaggeredLevel *l = &M->fine;
   double least = INFINITY, greatest = 0;
-  for (LitheCount s = 0; l->volume && s < l->grid->n_slots; s++) {
+  for (LitheCount s = 0; l->volume && s < (LitheCount)l->n_rows * l->grid->side; s++) {
     if (!(l->mu[s] > 0 && l->volume[s] > 0)) continue;
     least = fmin(least, l->mu[s] / l->volume[s]);
     greatest = fmax(greatest, l->mu[s] / l->volume[s]);
@@ -178,15 +178,13 @@ void lth_staggered_multigrid_apply(LthStaggeredMultigrid *M, int threads, double
 }
 
 LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *M) {
-  LitheCount values = M->fine.grid->n_blocks * M->block, bytes = 16 * values;
+  LitheCount values = M->level[0].n_rows * M->width, bytes = 16 * values;
   if (M->r) bytes += 8 * values + lth_staggered_hierarchy_bytes(M->hierarchy);
   if (M->extra_x) bytes += 16 * M->def.n_dofs;
   if (M->clusters) bytes += lth_staggered_clusters_bytes(M->clusters);
   for (int l = 0; l < M->n_levels; l++) {
-    const LthSparseGrid *g = M->level[l].grid;
     bytes += lth_fast_level_bytes(&M->level[l]);
-    if (M->vectors[l])
-      bytes += (l == 0 ? 4 : 12) * (LitheCount)g->n_blocks * g->dim * g->block_cells;
+    if (M->vectors[l]) bytes += (l == 0 ? 4 : 12) * (LitheCount)M->level[l].n_rows * M->width;
   }
   return bytes;
 }

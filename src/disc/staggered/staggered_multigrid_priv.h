@@ -16,9 +16,9 @@ struct LthStaggeredMultigrid {
   LthStaggeredClusters *clusters; ///< below the coarsest level where that has no factor, else NULL
   double cm, ck, unit;
   int degree;
-  LitheCount block; ///< values of a block: dim block_cells
-  double *p, *r;    ///< direction, residual                               (n_blocks x block)
-  double *work;     ///< q = A p, and in the same place x and y of level 0 (n_blocks x block)
+  LitheCount width; ///< values of a row of vectors: dim side
+  double *p, *r;    ///< direction, residual: as vectors of level 0 lie    (n_rows x width)
+  double *work;     ///< q = A p, and in the same place x and y of level 0 (n_rows x width)
   float *vectors[LTH_STAGGERED_MAX_LEVELS]; ///< b of level 0; x, y and b of the others
   double *sum;                              ///< one of each active block  (n_active)
   double *extra_x, *extra_y;                ///< of `extra`, or NULL                   (n_dofs)
@@ -32,12 +32,12 @@ LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M);
 
 /// Sum of M->sum in order.
 double lth_staggered_sum(const LthStaggeredMultigrid *M);
-/// Values of the finest blocks from a vector of functions; all of them, or (`free`) 0 where not free.
+/// Values of the finest rows from a vector of functions; all of them, or (`only_free`) 0 where not free.
 void lth_staggered_scatter(const LthStaggeredMultigrid *M, int threads, bool only_free,
-                           const double *x, double *blocks);
-/// The way back: y = blocks at unknowns that are free, or (`held`) not dead; else y is 0.
+                           const double *x, double *rows);
+/// The way back: y = rows at unknowns that are free, or (`held`) not dead; else y is 0.
 void lth_staggered_gather(const LthStaggeredMultigrid *M, int threads, bool held,
-                          const double *blocks, double *y);
+                          const double *rows, double *y);
 /// Whether a solve for uniform forces comes below a tolerance in less than `most` iterations; uses r and p.
 LitheStatus lth_staggered_multigrid_trial(LitheCtx *ctx, LthStaggeredMultigrid *M, double tolerance,
                                           LitheIndex most, bool *reached);

@@ -21,7 +21,7 @@ static inline const LthStaggered *lth_staggered_const(const LthDisc *disc) { ret
 
 /// A cell holds something.
 static inline bool lth_staggered_is_live(const LthStaggeredLevel *level, LitheCount slot) {
-  return slot >= 0 && level->mu[slot] > 0;
+  return lth_level_value(level, level->mu, slot) > 0;
 }
 
 /// Least axis of shear samples: 0 in 3D, 2 in 2D.

@@ -21,14 +21,15 @@ static double normal_stress(const LthStaggeredLevel *l, const double *const u[3]
                             const LitheIndex cell[3], int a) {
   const LthSparseGrid *g = l->grid;
   LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
-  if (s < 0 || (l->mu[s] == 0 && l->lambda[s] == 0)) return 0;
+  const double mu = lth_level_value(l, l->mu, s), lambda = lth_level_value(l, l->lambda, s);
+  if (mu == 0 && lambda == 0) return 0;
   double trace = 0, own = 0;
   for (int b = 0; b < g->dim; b++) {
     double e = (value_along(g, u[b], cell, b, 1) - u[b][s]) / g->h[b];
     trace += e;
     if (b == a) own = e;
   }
-  return 2 * l->mu[s] * own + l->lambda[s] * trace;
+  return 2 * mu * own + lambda * trace;
 }
 
 /// V mu g_ab at the low edge of a cell.
@@ -36,7 +37,7 @@ static double shear_stress(const LthStaggeredLevel *l, const double *const u[3],
                            const LitheIndex cell[3], int a, int b) {
   const LthSparseGrid *g = l->grid;
   LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
-  double mu = value_at(l->shear[3 - a - b], s);
+  double mu = lth_level_value(l, l->shear[3 - a - b], s);
   if (mu == 0) return 0;
   return mu * ((u[a][s] - value_along(g, u[a], cell, b, -1)) / g->h[b] +
                (u[b][s] - value_along(g, u[b], cell, a, -1)) / g->h[a]);
@@ -54,7 +55,7 @@ static double row(const LthStaggeredLevel *l, double cm, double ck, const double
     shift(cell, b, 1, other);
     f -= (shear_stress(l, u, other, a, b) - shear_stress(l, u, cell, a, b)) / g->h[b];
   }
-  return lth_sparse_grid_cell_volume(g) * (ck * f + cm * l->mass[a][s] * u[a][s]);
+  return lth_sparse_grid_cell_volume(g) * (ck * f + cm * l->mass[a][lth_level_at(l, s)] * u[a][s]);
 }
 
 void lth_staggered_apply_ref(LitheCtx *ctx, const LthStaggeredLevel *l, double cm, double ck,
@@ -72,15 +73,17 @@ static double diagonal_entry(const LthStaggeredLevel *l, double cm, double ck, i
   LitheIndex cell[3];
   lth_cell_of(g, s, cell);
   LitheCount before = lth_slot_along(g, cell, a, -1);
-  double d =
-      (2 * l->mu[s] + l->lambda[s] + 2 * value_at(l->mu, before) + value_at(l->lambda, before)) /
-      (g->h[a] * g->h[a]);
+  const LitheCount at = lth_level_at(l, s);
+  double d = (2 * l->mu[at] + l->lambda[at] + 2 * lth_level_value(l, l->mu, before) +
+              lth_level_value(l, l->lambda, before)) /
+             (g->h[a] * g->h[a]);
   for (int b = 0; b < g->dim; b++) {
     if (b == a) continue;
     const double *shear = l->shear[3 - a - b];
-    d += (shear[s] + value_along(g, shear, cell, b, 1)) / (g->h[b] * g->h[b]);
+    LitheCount after = lth_slot_along(g, cell, b, 1);
+    d += (shear[at] + lth_level_value(l, shear, after)) / (g->h[b] * g->h[b]);
   }
-  return lth_sparse_grid_cell_volume(g) * (ck * d + cm * l->mass[a][s]);
+  return lth_sparse_grid_cell_volume(g) * (ck * d + cm * l->mass[a][at]);
 }
 
 void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *l, double cm, double ck,
@@ -94,7 +97,7 @@ void lth_staggered_diagonal_ref(LitheCtx *ctx, const LthStaggeredLevel *l, doubl
 
 double lth_staggered_modulus_unit(const LthStaggeredLevel *l) {
   double greatest = 0;
-  for (LitheCount s = 0; l->volume && s < l->grid->n_slots; s++) {
+  for (LitheCount s = 0; l->volume && s < (LitheCount)l->n_rows * l->grid->side; s++) {
     if (!(l->volume[s] > 0 && l->mu[s] > 0)) continue;
     greatest = fmax(greatest, l->mu[s] / l->volume[s]);
   }
@@ -107,8 +110,8 @@ double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheC
   LitheIndex cell[3];
   lth_cell_of(l->grid, s, cell);
   LitheCount before = lth_slot_along(l->grid, cell, a, -1);
-  double mu = l->mu[s] + value_at(l->mu, before);
-  double V = l->volume[s] + value_at(l->volume, before);
+  double mu = l->mu[lth_level_at(l, s)] + lth_level_value(l, l->mu, before);
+  double V = l->volume[lth_level_at(l, s)] + lth_level_value(l, l->volume, before);
   return V > 0 && mu > 0 ? fmin(1, 2 * V) * mu / (V * unit) : 1;
 }
 

@@ -20,6 +20,8 @@
 #define N_ROWS (ROWS_Z * PAD_Z)                      // a block's rows and those around them
 #define ROW(j, k) (((k)-FIRST_K) * ROWS_Z + (j) + 1) // place in a table of row j of plane k
 #define CELLS (SIDE * SIDE * DEEP)
+#define BLOCK_ROWS (SIDE * DEEP)
+#define WIDTH (DIM * SIDE) // values of a row of vectors
 #define ALWAYS static inline __attribute__((always_inline))
 
 /// LANES values along x.
@@ -46,73 +48,72 @@ ALWAYS N(Lane) N(shift_down)(N(Lane) before, N(Lane) v) {
 #endif
 }
 
-/// Values of a block (or zeros) around it, by the offsets of LthSparseGrid.neighbor.
-ALWAYS void N(find_near)(const LthSparseGrid *g, LitheIndex block, const REAL *values,
-                         LitheCount stride, const REAL *zeros, const REAL *near[N_NEAR]) {
-  const LitheIndex *to = g->neighbor + (LitheCount)block * N_NEAR;
-  for (int i = 0; i < N_NEAR; i++) near[i] = to[i] < 0 ? zeros : values + to[i] * stride;
-}
-
 /// Where rows of a block and those around it stand: in the blocks before, here and after along x.
 typedef struct N(Rows) {
   const REAL *at[3][N_ROWS];
 } N(Rows);
 
-ALWAYS void N(find_plane)(const REAL *const below, const REAL *const here, const REAL *const above,
-                          const REAL **to) {
-  to[0] = below + (SIDE - 1) * SIDE;
-  for (int j = 0; j < SIDE; j++) to[j + 1] = here + j * SIDE;
-  to[SIDE + 1] = above;
+ALWAYS void N(find_plane)(const LitheIndex *below, const LitheIndex *here, const LitheIndex *above,
+                          const REAL *values, LitheCount stride, const REAL **to) {
+  to[0] = values + below[SIDE - 1] * stride;
+  for (int j = 0; j < SIDE; j++) to[j + 1] = values + here[j] * stride;
+  to[SIDE + 1] = values + above[0] * stride;
 }
 
-ALWAYS void N(find_rows)(const REAL *const near[N_NEAR], N(Rows) * rows) {
+/// Rows of vectors around a block, whose own number and those of its neighbours are given, -1 where there is none.
+ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], const REAL *values,
+                         LitheCount stride, N(Rows) * rows) {
+  static const LitheIndex no_rows[BLOCK_ROWS];
+  const LitheIndex *near[N_NEAR];
+  for (int i = 0; i < N_NEAR; i++)
+    near[i] = block[i] < 0 ? no_rows : L->row + block[i] * (LitheCount)BLOCK_ROWS;
   for (int k = FIRST_K; k < DEEP - FIRST_K; k++) {
-    const REAL *const *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
-    const int at = (k & (DEEP - 1)) * SIDE * SIDE;
+    const LitheIndex *const *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
+    const int at = (k & (DEEP - 1)) * SIDE;
     for (int x = 0; x < 3; x++) N(find_plane)
-    (plane[x] + at, plane[3 + x] + at, plane[6 + x] + at, rows->at[x] + ROW(-1, k));
+    (plane[x] + at, plane[3 + x] + at, plane[6 + x] + at, values, stride, rows->at[x] + ROW(-1, k));
   }
 }
 
 /// Component c of the unknowns i, i + 1, ... of row r, and of those one place down and up.
 ALWAYS N(Lane) N(own)(const N(Rows) * rows, int c, int r, int i) {
-  return N(load)(rows->at[1][r] + c * CELLS + i);
+  return N(load)(rows->at[1][r] + c * SIDE + i);
 }
 ALWAYS N(Lane) N(low)(const N(Rows) * rows, int c, int r, int i) {
-  if (i > 0) return N(load)(rows->at[1][r] + c * CELLS + i - 1);
-  return N(shift_down)(N(load)(rows->at[0][r] + c * CELLS + SIDE - LANES), N(own)(rows, c, r, 0));
+  if (i > 0) return N(load)(rows->at[1][r] + c * SIDE + i - 1);
+  return N(shift_down)(N(load)(rows->at[0][r] + c * SIDE + SIDE - LANES), N(own)(rows, c, r, 0));
 }
 ALWAYS N(Lane) N(high)(const N(Rows) * rows, int c, int r, int i) {
-  if (i + LANES < SIDE) return N(load)(rows->at[1][r] + c * CELLS + i + 1);
-  return N(shift_up)(N(own)(rows, c, r, i), N(load)(rows->at[2][r] + c * CELLS));
+  if (i + LANES < SIDE) return N(load)(rows->at[1][r] + c * SIDE + i + 1);
+  return N(shift_up)(N(own)(rows, c, r, i), N(load)(rows->at[2][r] + c * SIDE));
 }
 
-/// What is wanted soon, in places of a block: processors do not guess where the next block begins.
+/// What is wanted soon, in rows: processors do not guess where the next block begins.
 typedef struct N(Ahead) {
-  const REAL *at[8];
+  const REAL *at[3];
+  LitheCount stride[3];
   int n;
 } N(Ahead);
 
-/// Fetch row `at` of all that is wanted into the second cache.
-ALWAYS void N(fetch)(const N(Ahead) * ahead, int at) {
-  if (at * sizeof(REAL) % 64 != 0) return;
-  for (int v = 0; v < ahead->n; v++)
-    for (int i = 0; i < SIDE; i += 64 / (int)sizeof(REAL))
-      __builtin_prefetch(ahead->at[v] + at + i, 0, 2);
+/// Fetch a row of vectors into the second cache.
+ALWAYS void N(fetch_row)(const REAL *at) {
+  for (int i = 0; i < WIDTH; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(at + i, 0, 2);
+}
+
+/// Fetch row `row` of all that is wanted.
+ALWAYS void N(fetch)(const N(Ahead) * ahead, int row) {
+  for (int v = 0; v < ahead->n; v++) N(fetch_row)(ahead->at[v] + row * ahead->stride[v]);
 }
 
 /// Fetch the rows that a block reads of those that follow it along y and z: nobody has touched them before.
-ALWAYS void N(fetch_margin)(const LthSparseGrid *g, LitheIndex block, const REAL *values,
-                            LitheCount stride, int components) {
-  const LitheIndex *to = g->neighbor + (LitheCount)block * N_NEAR + (DIM == 3 ? 9 : 0);
-  const REAL *y = to[7] < 0 ? NULL : values + to[7] * stride;
-  for (int a = 0; y && a < components; a++)
-    for (int k = 0; k < DEEP; k++) __builtin_prefetch(y + a * CELLS + k * SIDE * SIDE, 0, 2);
+ALWAYS void N(fetch_margin)(const LthFastLevel *L, LitheIndex block, const REAL *values,
+                            LitheCount stride) {
+  const LitheIndex *to = L->grid->neighbor + (LitheCount)block * N_NEAR + (DIM == 3 ? 9 : 0);
+  const LitheIndex *y = to[7] < 0 ? NULL : L->row + to[7] * (LitheCount)BLOCK_ROWS;
+  for (int k = 0; y && k < DEEP; k++) N(fetch_row)(values + y[k * SIDE] * stride);
 #if DIM == 3
-  const REAL *z = to[9 + 4] < 0 ? NULL : values + to[9 + 4] * stride;
-  for (int a = 0; z && a < components; a++)
-    for (int i = 0; i < SIDE * SIDE; i += 64 / (int)sizeof(REAL))
-      __builtin_prefetch(z + a * CELLS + i, 0, 2);
+  const LitheIndex *z = to[9 + 4] < 0 ? NULL : L->row + to[9 + 4] * (LitheCount)BLOCK_ROWS;
+  for (int j = 0; z && j < SIDE; j++) N(fetch_row)(values + z[j] * stride);
 #endif
 }
 
@@ -158,14 +159,14 @@ ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, i
   z1 += c->side[1][2] * ((v - vz0) - (vz1 - v)) -
         c->cross[2] * ((wz1 - w) - (N(own)(rows, 2, r + ROWS_Z - 1, i) - wy0));
   N(store)
-  (y + 2 * CELLS, c->inertia * w + c->side[2][0] * ((w - wlo) - (whi - w)) +
+  (y + 2 * SIDE, c->inertia * w + c->side[2][0] * ((w - wlo) - (whi - w)) +
                       c->side[2][1] * ((w - wy0) - (wy1 - w)) +
                       c->side[2][2] * ((w - wz0) - (wz1 - w)) -
                       c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
                       c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
 #endif
   N(store)(y, x);
-  N(store)(y + CELLS, z1);
+  N(store)(y + SIDE, z1);
 }
 
 /// y = A u in a block.
@@ -173,9 +174,10 @@ ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const N
                             REAL *y) {
   for (int k = 0; k < DEEP; k++)
     for (int j = 0; j < SIDE; j++) {
-      const int at = (k * SIDE + j) * SIDE;
-      for (int a = 0; a < DIM; a++) N(fetch)(ahead, a * CELLS + at);
-      for (int i = 0; i < SIDE; i += LANES) N(uniform_row)(rows, c, ROW(j, k), i, y + at + i);
+      const int row = k * SIDE + j;
+      N(fetch)(ahead, row);
+      for (int i = 0; i < SIDE; i += LANES)
+        N(uniform_row)(rows, c, ROW(j, k), i, y + row * WIDTH + i);
     }
 }
 
@@ -185,13 +187,46 @@ ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const N
 #define N_SHEAR (DIM == 3 ? 3 : 1)
 #define XY (DIM == 3 ? 2 : 0) // place of a shear in arrays of them; that along x is 0, y 1
 
-/// Where coefficients of a general block stand: rows of cells (from -1 on) and of edges (up to SIDE); and those of the
-/// cells before the rows, and of the edges behind them.
+/// Coefficients of a general block: rows of cells (from -1 on) and of edges (up to SIDE) by their offsets; and the values
+/// of the cells before the rows, and of the edges behind them.
 typedef struct N(Samples) {
-  const REAL *lambda[N_EDGE_ROWS], *mu[N_EDGE_ROWS], *shear[N_SHEAR][N_EDGE_ROWS];
+  const REAL *lambda, *mu, *shear[N_SHEAR];
+  LitheCount cell[N_EDGE_ROWS], edge[N_EDGE_ROWS];
   REAL lambda_before[DEEP * SIDE], mu_before[DEEP * SIDE];
   REAL shear_behind[N_SHEAR][DEEP * SIDE]; ///< that along x is not needed
 } N(Samples);
+
+/// Offsets of rows (j, k) of a level's samples, `stride` apart, and of those in the block before or behind them.
+ALWAYS LitheCount N(sample_row)(const LthStaggeredLevel *l, LitheIndex block, int j, int k,
+                                LitheCount stride) {
+  const int at = (k & (DEEP - 1)) * SIDE + (j & (SIDE - 1));
+  return stride * (block < 0 ? l->n_rows : l->row[block * (LitheCount)BLOCK_ROWS + at]);
+}
+
+ALWAYS void N(find_samples)(const LthStaggeredLevel *l, LitheIndex block, LitheCount stride,
+                            N(Samples) * c) {
+  const LitheIndex *to = l->grid->neighbor + (LitheCount)block * N_NEAR;
+  for (int k = FIRST_K; k < DEEP; k++) {
+    const LitheIndex *plane = to + (DIM == 3 && k >= 0 ? 9 : 0);
+    for (int j = -1; j < SIDE; j++)
+      c->cell[CELL_ROW(j, k)] = N(sample_row)(l, plane[j < 0 ? 1 : 4], j, k, stride);
+    for (int j = 0; k >= 0 && j < SIDE; j++) {
+      const LitheCount at = N(sample_row)(l, plane[3], j, k, stride) + SIDE - 1;
+      c->lambda_before[k * SIDE + j] = c->lambda[at];
+      c->mu_before[k * SIDE + j] = c->mu[at];
+    }
+  }
+  for (int k = 0; k < DEEP - FIRST_K; k++) {
+    const LitheIndex *plane = to + (DIM == 3 ? k < DEEP ? 9 : 18 : 0);
+    for (int j = 0; j <= SIDE; j++)
+      c->edge[EDGE_ROW(j, k)] = N(sample_row)(l, plane[j < SIDE ? 4 : 7], j, k, stride);
+    for (int j = 0; k < DEEP && j < SIDE; j++) {
+      const LitheCount at = N(sample_row)(l, plane[5], j, k, stride);
+      c->shear_behind[XY][k * SIDE + j] = c->shear[XY][at];
+      if (DIM == 3) c->shear_behind[N_SHEAR / 2][k * SIDE + j] = c->shear[N_SHEAR / 2][at];
+    }
+  }
+}
 
 ALWAYS N(Lane) N(normal_of)(const N(Lane) e[DIM], N(Lane) lambda, N(Lane) mu, N(Lane) s[DIM]) {
   N(Lane) trace = e[0] + e[1];
@@ -213,14 +248,14 @@ ALWAYS void N(normal)(const N(Rows) * rows, const N(Samples) * c, const REAL rat
 #if DIM == 3
   e[2] = (N(own)(rows, 2, r + ROWS_Z, i) - N(own)(rows, 2, r, i)) * ratio[2];
 #endif
-  N(normal_of)(e, N(load)(c->lambda[q] + i), N(load)(c->mu[q] + i), s);
+  N(normal_of)(e, N(load)(c->lambda + c->cell[q] + i), N(load)(c->mu + c->cell[q] + i), s);
 }
 
 /// Shear stresses of row (j, k) of edges.
 ALWAYS N(Lane) N(shear_xy)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
                            int k, int i) {
   const int r = ROW(j, k);
-  return N(load)(c->shear[XY][EDGE_ROW(j, k)] + i) *
+  return N(load)(c->shear[XY] + c->edge[EDGE_ROW(j, k)] + i) *
          ((N(own)(rows, 0, r, i) - N(own)(rows, 0, r - 1, i)) * ratio[1] +
           (N(own)(rows, 1, r, i) - N(low)(rows, 1, r, i)) * ratio[0]);
 }
@@ -228,14 +263,14 @@ ALWAYS N(Lane) N(shear_xy)(const N(Rows) * rows, const N(Samples) * c, const REA
 ALWAYS N(Lane) N(shear_yz)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
                            int k, int i) {
   const int r = ROW(j, k);
-  return N(load)(c->shear[0][EDGE_ROW(j, k)] + i) *
+  return N(load)(c->shear[0] + c->edge[EDGE_ROW(j, k)] + i) *
          ((N(own)(rows, 1, r, i) - N(own)(rows, 1, r - ROWS_Z, i)) * ratio[2] +
           (N(own)(rows, 2, r, i) - N(own)(rows, 2, r - 1, i)) * ratio[1]);
 }
 ALWAYS N(Lane) N(shear_zx)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
                            int k, int i) {
   const int r = ROW(j, k);
-  return N(load)(c->shear[1][EDGE_ROW(j, k)] + i) *
+  return N(load)(c->shear[1] + c->edge[EDGE_ROW(j, k)] + i) *
          ((N(own)(rows, 2, r, i) - N(low)(rows, 2, r, i)) * ratio[0] +
           (N(own)(rows, 0, r, i) - N(own)(rows, 0, r - ROWS_Z, i)) * ratio[2]);
 }
@@ -253,9 +288,9 @@ ALWAYS void N(find_columns)(const N(Rows) * rows, const N(Samples) * c, const RE
   for (int r = 0; r < N_ROWS; r++) {
     C->first[r] = rows->at[1][r][0];
     for (int a = 0; a < DIM; a++) {
-      C->before[a][r] = rows->at[0][r][a * CELLS + SIDE - 1];
-      C->behind[a][r] = rows->at[2][r][a * CELLS];
-      if (a > 0) C->last[a][r] = rows->at[1][r][a * CELLS + SIDE - 1];
+      C->before[a][r] = rows->at[0][r][a * SIDE + SIDE - 1];
+      C->behind[a][r] = rows->at[2][r][a * SIDE];
+      if (a > 0) C->last[a][r] = rows->at[1][r][a * SIDE + SIDE - 1];
     }
   }
   for (int k = 0; k < DEEP; k++)
@@ -335,7 +370,7 @@ ALWAYS void N(add_rows)(const N(Plane) * P, const N(Columns) * C, const REAL rat
   for (int j = 0; j < SIDE; j++)
     for (int i = 0; i < SIDE; i += LANES) {
       const int at = k * SIDE + j;
-      REAL *to = y + at * SIDE + i;
+      REAL *to = y + at * WIDTH + i;
       const N(Lane) xy = N(load)(P->xy[j] + i);
       N(Lane)
       fx = (N(row_low)(P->xx[j], i, C->normal[at]) - N(load)(P->xx[j] + i)) * ratio[0] -
@@ -349,12 +384,12 @@ ALWAYS void N(add_rows)(const N(Plane) * P, const N(Columns) * C, const REAL rat
       fx -= (N(load)(P->zx[above][j]) - zx) * ratio[2];
       fy -= (N(load)(P->yz[above][j]) - yz) * ratio[2];
       N(store)
-      (to + 2 * CELLS, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
-                           (N(row_high)(P->zx[here][j], 0, C->shear[1][at]) - zx) * ratio[0] -
-                           (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
+      (to + 2 * SIDE, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
+                          (N(row_high)(P->zx[here][j], 0, C->shear[1][at]) - zx) * ratio[0] -
+                          (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
 #endif
       N(store)(to, fx);
-      N(store)(to + CELLS, fy);
+      N(store)(to + SIDE, fy);
     }
 }
 
@@ -373,7 +408,7 @@ ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const RE
   N(next_plane)(rows, c, ratio, -1, &P);
 #endif
   for (int k = 0; k < DEEP; k++) {
-    for (int j = 0; j < DIM * SIDE; j++) N(fetch)(ahead, (k * DIM * SIDE + j) * SIDE);
+    for (int j = 0; j < SIDE; j++) N(fetch)(ahead, k * SIDE + j);
     N(find_plane_stresses)(rows, c, ratio, k, &P);
 #if DIM == 3
     N(next_plane)(rows, c, ratio, k, &P);

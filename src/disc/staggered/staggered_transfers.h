@@ -13,22 +13,16 @@
 #define HALF (SIDE / 2)
 #define DEEP_HALF (DIM == 3 ? DEEP / 2 : 1)
 
-/// Copy a block with its margin; `skip`: values before those of the component.
-ALWAYS void pad(const float *const near[N_NEAR], LitheCount skip, float *padded) {
+/// Copy component a of a block with its margin.
+ALWAYS void pad(const Rows_f *rows, int a, float *padded) {
   for (int k = FIRST_K; k < DEEP - FIRST_K; k++)
     for (int j = -1; j <= SIDE; j++) {
-      const float *const *row = near +
-                                9 * (k < 0       ? 0
-                                     : k >= DEEP ? 2
-                                                 : DIM == 3) +
-                                3 * (j < 0       ? 0
-                                     : j >= SIDE ? 2
-                                                 : 1);
-      const LitheCount at = skip + ((k & (DEEP - 1)) * SIDE + (j & (SIDE - 1))) * SIDE;
+      const int r = ROW(j, k);
       float *to = padded + AT(0, j, k);
-      to[-1] = row[0][at + SIDE - 1];
-      for (int i = 0; i < SIDE; i += LANES_F) store_f(to + i, load_f(row[1] + at + i));
-      to[SIDE] = row[2][at];
+      to[-1] = rows->at[0][r][a * SIDE + SIDE - 1];
+      for (int i = 0; i < SIDE; i += LANES_F)
+        store_f(to + i, load_f(rows->at[1][r] + a * SIDE + i));
+      to[SIDE] = rows->at[2][r][a * SIDE];
     }
 }
 
@@ -39,15 +33,14 @@ static LitheIndex block_at_place(const LthSparseGrid *g, LitheIndex i, LitheInde
   return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
 }
 
-/// Values around a place whose own block may be missing; false where there is nothing at all.
-static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3], LthFastVector v,
-                            const float *near[N_NEAR]) {
+/// Blocks around a place whose own block may be missing; false where there is none at all.
+static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3],
+                            LitheIndex near[N_NEAR]) {
   bool any = false;
   for (int i = 0; i < N_NEAR; i++) {
-    LitheIndex block = block_at_place(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
-                                      place[2] + (DIM == 3 ? i / 9 - 1 : 0));
-    near[i] = block < 0 ? no_values_f : block_of(v, block);
-    any |= block >= 0;
+    near[i] = block_at_place(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
+                             place[2] + (DIM == 3 ? i / 9 - 1 : 0));
+    any |= near[i] >= 0;
   }
   return any;
 }
@@ -69,7 +62,8 @@ ALWAYS void fetch_child(const LthFastLevel *fine, const LthFastLevel *coarse, Li
   int offset[3];
   child_of(coarse->grid, block_later(coarse->grid, block, 1), child, place, offset);
   const LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
-  if (to >= 0) fetch_all(block_of(v, to), BLOCK * (LitheCount)sizeof(float));
+  if (to < 0) return;
+  for (LitheIndex q = fine->first[to]; q < fine->first[to + 1]; q++) fetch_row_f(row_of(v, q));
 }
 
 /// Weighted pair of rows: fine row j from coarse rows around it, along (`own`) or across the component.
@@ -129,18 +123,37 @@ ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restr
 #endif
 }
 
+/// x of the rows of a fine block += (or =) scale times values of component a.
+ALWAYS void take_rows(const LthFastLevel *L, LitheIndex block, int a, bool add, const float *out) {
+  const bool varies = L->scaled[block] >= 0;
+  const float same = L->same_scale[block];
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
+    float *x = row_of(L->x, q) + a * SIDE;
+    const float *from = out + L->local[q] * SIDE;
+    const float *scale = varies ? scale_of(L, block, q) + a * SIDE : NULL;
+    for (int i = 0; i < SIDE; i += LANES_F) {
+      const Lane_f v = varies ? load_f(from + i) * load_f(scale + i) : load_f(from + i) * same;
+      if (add)
+        store_f(x + i, load_f(x + i) + v);
+      else
+        store_f(x + i, v);
+    }
+  }
+}
+
 LTH_CLONES
 static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
                          bool add) {
   _Alignas(64) float c[DIM][PADDED], out[CELLS];
-  const float *near[N_NEAR];
-  find_near_f(coarse->grid, block, coarse->x.at, coarse->x.stride, no_values_f, near);
-  for (int a = 0; a < DIM; a++) pad(near, a * CELLS, c[a]);
+  const LitheIndex *near = coarse->grid->neighbor + (LitheCount)block * N_NEAR;
+  Rows_f rows;
+  find_rows_f(coarse, near, coarse->x.at, coarse->x.stride, &rows);
+  for (int a = 0; a < DIM; a++) pad(&rows, a, c[a]);
   if (coarse->pull) {
-    find_near_f(coarse->grid, block, coarse->pull, BLOCK, no_values_f, near);
+    find_rows_f(coarse, near, coarse->pull, WIDTH, &rows);
     for (int a = 0; a < DIM; a++) {
       _Alignas(64) float pull[PADDED];
-      pad(near, a * CELLS, pull);
+      pad(&rows, a, pull);
       for (int i = 0; i < PADDED; i++) c[a][i] *= pull[i];
     }
   }
@@ -151,22 +164,12 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
     LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
     if (add) fetch_child(fine, coarse, block, child, fine->x);
     if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
-    const float *scale = scale_of(fine, to), same = fine->same_scale[to];
     for (int a = 0; a < DIM; a++) {
-      float *restrict x = block_of(fine->x, to) + a * CELLS;
       interpolate(c[a], a, offset, out);
-      for (int i = 0; i < CELLS; i++) out[i] *= scale ? scale[a * CELLS + i] : same;
-      if (add)
-        for (int i = 0; i < CELLS; i++) x[i] += out[i];
-      else
-        memcpy(x, out, sizeof out);
+      take_rows(fine, to, a, add, out);
     }
   }
 }
-
-/// Half a register.
-typedef float Half
-    __attribute__((vector_size(LANES_F * sizeof(float) / 2), aligned(sizeof(float)), may_alias));
 
 /// Half a register.
 typedef float Half
@@ -190,11 +193,11 @@ ALWAYS void collect(const Rows_f *rows, int a, float *restrict out) {
     for (int x = 0; x < 3; x++)
       for (int j = -1; j <= SIDE; j++) {
         const float *const *at = rows->at[x] + ROW(j, 2 * K);
-        z[x][j + 1] = load_f(at[0] + a * CELLS);
+        z[x][j + 1] = load_f(at[0] + a * SIDE);
 #if DIM == 3
         z[x][j + 1] =
-            gather4(load_f(at[-ROWS_Z] + a * CELLS), z[x][j + 1], load_f(at[ROWS_Z] + a * CELLS),
-                    a == 2 ? z[x][j + 1] : load_f(at[2 * ROWS_Z] + a * CELLS), a == 2);
+            gather4(load_f(at[-ROWS_Z] + a * SIDE), z[x][j + 1], load_f(at[ROWS_Z] + a * SIDE),
+                    a == 2 ? z[x][j + 1] : load_f(at[2 * ROWS_Z] + a * SIDE), a == 2);
 #endif
       }
     for (int J = 0; J < HALF; J++) {
@@ -212,21 +215,24 @@ ALWAYS void collect(const Rows_f *rows, int a, float *restrict out) {
 
 LTH_CLONES
 static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
-  const float *near[N_NEAR];
-  float *b = block_of(coarse->b, block);
-  memset(b, 0, sizeof *b * BLOCK);
+  _Alignas(64) float sum[BLOCK];
+  memset(sum, 0, sizeof sum);
   for (int child = 0; child < 1 << DIM; child++) {
-    LitheIndex place[3];
+    LitheIndex place[3], near[N_NEAR];
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
     fetch_child(fine, coarse, block, child, fine->y);
-    if (!find_near_place(fine->grid, place, fine->y, near)) continue;
+    if (!find_near_place(fine->grid, place, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
     Rows_f rows;
-    find_rows_f(near, &rows);
-    for (int a = 0; a < DIM; a++) collect(&rows, a, b + a * CELLS + first);
+    find_rows_f(fine, near, fine->y.at, fine->y.stride, &rows);
+    for (int a = 0; a < DIM; a++) collect(&rows, a, sum + a * CELLS + first);
   }
-  if (!coarse->pull) return;
-  const float *pull = coarse->pull + (LitheCount)block * BLOCK;
-  for (int i = 0; i < BLOCK; i++) b[i] *= pull[i];
+  for (LitheIndex q = coarse->first[block]; q < coarse->first[block + 1]; q++) {
+    const float *from = sum + coarse->local[q] * SIDE;
+    const float *pull = coarse->pull ? coarse->pull + q * (LitheCount)WIDTH : NULL;
+    float *b = row_of(coarse->b, q);
+    for (int a = 0; a < DIM; a++, from += CELLS)
+      for (int i = 0; i < SIDE; i++) b[a * SIDE + i] = pull ? pull[a * SIDE + i] * from[i] : from[i];
+  }
 }

@@ -92,7 +92,7 @@ static void stiffen_cell(LthStaggered *s, const LitheIndex cell[3], LthStaggered
   double factor = factor_of(s, slot, -1, &c, &filled), wide = lth_wall_factor(&c.ways);
   level->lambda[slot] *= factor;
   level->mu[slot] *= factor;
-  s->volume[slot] = filled;
+  level->volume[slot] = filled;
   if (level->compliance) level->compliance[slot] *= factor / (wide * wide);
 }
 

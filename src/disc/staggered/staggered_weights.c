@@ -140,7 +140,7 @@ static void weigh_slot(const Weigher *w, const Lattice *t, const int cell[3], Li
   Mean m;
   mean_at(w, t, cell, (int[3]){0, 0, 0}, &m);
   bool live = m.V > w->least;
-  s->volume[slot] = live ? m.V : 0;
+  level->volume[slot] = live ? m.V : 0;
   level->lambda[slot] = live ? m.lambda : 0;
   level->mu[slot] = live ? m.mu : 0;
   if (level->compliance) level->compliance[slot] = live ? m.compliance : 0;
@@ -174,7 +174,7 @@ static void fill_full(const Weigher *w, LitheIndex block) {
   LthStaggeredLevel *level = &s->level;
   LitheCount first = (LitheCount)block * s->grid->block_cells;
   for (LitheCount slot = first; slot < first + s->grid->block_cells; slot++) {
-    s->volume[slot] = 1;
+    level->volume[slot] = 1;
     level->lambda[slot] = isinf(w->lambda) ? LTH_PENALTY * w->mu : w->lambda;
     level->mu[slot] = w->mu;
     if (level->compliance) level->compliance[slot] = 1 / w->lambda;

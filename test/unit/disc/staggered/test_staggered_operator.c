@@ -68,6 +68,7 @@ typedef struct Fixture {
 static Fixture fixture(const ShapeDef *def) {
   Fixture F = {.ctx = test_ctx()};
   F.shape = shape_level(F.ctx, def);
+  CHECK_OK(F.ctx, lth_staggered_level_pack(F.ctx, &F.shape.level));
   F.n = 3 * F.shape.grid->n_slots;
   LthStaggeredMultigridDef d = {.level = &F.shape.level, .n_dofs = F.n};
   CHECK_OK(F.ctx, lth_staggered_multigrid_create(F.ctx, &d, &F.M));
@@ -126,13 +127,12 @@ static void matrix_free_operator_is_the_plain_one_to_rounding(void **state) {
 
 /// Copy between a fast vector and components over slots.
 static void to_fast(const LthFastLevel *L, LthFastVector v, double *const u[3]) {
-  LitheCount n = L->grid->block_cells;
   for (LitheCount s = 0; s < L->grid->n_slots; s++)
-    for (int a = 0; a < L->grid->dim; a++) v.at[s / n * v.stride + a * n + s % n] = (float)u[a][s];
+    for (int a = 0; a < L->grid->dim; a++)
+      if (L->row[s / L->grid->side] > 0) *lth_fast_value(L, v, s, a) = (float)u[a][s];
 }
 static double fast_at(const LthFastLevel *L, LthFastVector v, int a, LitheCount s) {
-  LitheCount n = L->grid->block_cells;
-  return v.at[s / n * v.stride + a * n + s % n];
+  return *lth_fast_value(L, v, s, a);
 }
 
 static void check_level(Fixture *F, int l, double cm, double ck) {
@@ -272,6 +272,46 @@ static void uniform_blocks_are_found(void **state) {
   fixture_free(&F);
 }
 
+/// Samples of every slot, before and after rows that are alike are kept once.
+static void packed_levels_hold_the_same_samples(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    ShapeLevel plain = shape_level(F.ctx, &cases[c]);
+    const LthStaggeredLevel *l = &F.shape.level, *p = &plain.level;
+    const double *packed[] = {l->mu,       l->lambda,  l->volume,  l->shear[0], l->shear[1],
+                              l->shear[2], l->mass[0], l->mass[1], l->mass[2]};
+    const double *all[] = {p->mu,       p->lambda,  p->volume,  p->shear[0], p->shear[1],
+                           p->shear[2], p->mass[0], p->mass[1], p->mass[2]};
+    for (size_t v = 0; v < sizeof all / sizeof *all; v++)
+      for (LitheCount s = 0; all[v] && s < l->grid->n_slots; s++)
+        assert_true(lth_level_value(l, packed[v], s) == all[v][s]);
+    if (c == 3) assert_true(l->n_rows < p->n_rows / 20); // a brick of one material
+    shape_free(&plain);
+    fixture_free(&F);
+  }
+}
+
+/// Rows of slots are in vectors if and only if some unknown of theirs is alive.
+static void vectors_hold_rows_that_are_alive(void **state) {
+  (void)state;
+  for (int c = 0; c < N_CASES; c++) {
+    Fixture F = fixture(&cases[c]);
+    const LthFastLevel *L = &F.M->level[0];
+    LitheIndex last = 0;
+    for (LitheCount row = 0; row < L->grid->n_slots / L->grid->side; row++) {
+      bool alive = false;
+      for (int a = 0; a < L->grid->dim; a++)
+        for (LitheCount s = row * L->grid->side; s < (row + 1) * L->grid->side; s++)
+          alive |= F.shape.level.state[a][s] != LTH_UNKNOWN_DEAD;
+      assert_int_equal(L->row[row], alive ? last + 1 : 0);
+      last += alive;
+    }
+    assert_int_equal(L->n_rows, last + 1);
+    fixture_free(&F);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(matrix_free_operator_is_the_plain_one_to_rounding),
@@ -279,6 +319,8 @@ int main(void) {
       cmocka_unit_test(fast_transfers_are_the_plain_ones),
       cmocka_unit_test(rows_are_those_of_the_operator),
       cmocka_unit_test(uniform_blocks_are_found),
+      cmocka_unit_test(packed_levels_hold_the_same_samples),
+      cmocka_unit_test(vectors_hold_rows_that_are_alive),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
