@@ -49,12 +49,16 @@ ALWAYS void fetch_all(const void *at, LitheCount bytes) {
   for (LitheCount i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i, 0, 2);
 }
 
-/// Offset of the samples of a block's first row.
+/// Rows of a block that are not plain; and the offset of the first one's samples: those that differ stand in a row.
+ALWAYS uint64_t general_of(const LthFastLevel *L, LitheIndex block) {
+  return L->alive[block] & ~L->plain[block];
+}
 ALWAYS LitheCount first_samples(const LthFastLevel *L, LitheIndex block, LitheCount stride) {
-  return stride * L->level->row[block * (LitheCount)BLOCK_ROWS];
+  const int first = general_of(L, block) ? __builtin_ctzll(general_of(L, block)) : 0;
+  return stride * L->level->row[block * (LitheCount)BLOCK_ROWS + first];
 }
 
-/// (A x) of a block, of all its rows.
+/// (A x) of a block, of its rows that are alive.
 ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
   enum { SAMPLES = N_SHEAR + 2, STRIDE = SAMPLES * SIDE };
   const LitheIndex here = L->first[block], later = L->first[block_later(L->grid, block, 2)];
@@ -72,8 +76,9 @@ ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
     uniform_rows_f(&rows, &constant, &ahead, y);
     return;
   }
-  const float *s = L->sample;
-  Samples_f samples = {.lambda = s, .mu = s + SIDE, .shear[XY] = s + 2 * SIDE};
+  const float *s = L->sample, *of = L->constant + 3 * (LitheCount)block;
+  Samples_f samples = {
+      .lambda = s, .mu = s + SIDE, .shear[XY] = s + 2 * SIDE, .level = L->level, .stride = STRIDE};
 #if DIM == 3
   samples.shear[0] = s + 3 * SIDE;
   samples.shear[1] = s + 4 * SIDE;
@@ -81,11 +86,13 @@ ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
   const LitheIndex next = block_later(L->grid, block, 1);
   if (L->kind[next] == LTH_BLOCK_GENERAL) {
     const LitheCount rows_there = L->first[next + 1] - L->first[next];
-    fetch_all(L->sample + first_samples(L, next, STRIDE), 4 * STRIDE * rows_there);
+    fetch_all(L->sample + first_samples(L, next, STRIDE),
+              4 * STRIDE * __builtin_popcountll(general_of(L, next)));
     fetch_all(L->inverse + L->number[next] * (LitheCount)WIDTH, 4 * WIDTH * rows_there);
   }
-  find_samples_f(L->level, block, STRIDE, &samples);
-  general_rows_f(&rows, &samples, ratio, &ahead, y);
+  const Constant_f same = constant_f(of[0], of[1], 0, ratio); // inertia follows
+  find_samples_f(block, &samples);
+  general_rows_f(&rows, &samples, &same, ratio, L->alive[block], L->plain[block], &ahead, y);
   if (!L->inertia) return;
   const float *m = L->inertia + L->number[block] * (LitheCount)WIDTH;
   for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++, m += WIDTH) {
@@ -223,7 +230,7 @@ ALWAYS void finish_general(const LthFastLevel *L, LitheIndex block, double stiff
 /// Fetch the coefficients of a general block: rows that differ from others stand one after the other.
 ALWAYS void fetch_coefficients(const LthFastLevel *L, LitheIndex block) {
   const LthStaggeredLevel *l = L->level;
-  const LitheCount n = 8 * SIDE * (LitheCount)(L->first[block + 1] - L->first[block]);
+  const LitheCount n = 8 * SIDE * __builtin_popcountll(general_of(L, block));
   const LitheCount first = first_samples(L, block, SIDE);
   fetch_all(l->lambda + first, n);
   fetch_all(l->mu + first, n);
@@ -236,7 +243,7 @@ ALWAYS void apply_uniform(const LthFastLevel *L, LitheIndex block, double stiff,
                           const Rows_d *rows, const Ahead_d *ahead, const double *values,
                           double *result, double lane[SIDE]) {
   const LthStaggeredLevel *l = L->level;
-  const LitheCount first = L->first[block] * (LitheCount)WIDTH, at = first_samples(L, block, SIDE);
+  const LitheCount first = L->first[block] * (LitheCount)WIDTH, at = lth_fast_constant(L, block);
   const Constant_d c =
       constant_d(stiff * l->lambda[at], stiff * l->mu[at], inert * l->mass[0][at], L->ratio);
   uniform_rows_d(rows, &c, ahead, result + first);
@@ -264,11 +271,13 @@ static double apply(const LthFastLevel *L, LitheIndex block, double cm, double c
     return sum_lanes(lane);
   }
   _Alignas(64) double Ku[BLOCK];
-  Samples_d c = {.lambda = l->lambda, .mu = l->mu};
+  const LitheCount at = lth_fast_constant(L, block);
+  const Constant_d same = constant_d(l->lambda[at], l->mu[at], 0, L->ratio);
+  Samples_d c = {.lambda = l->lambda, .mu = l->mu, .level = l, .stride = SIDE};
   for (int e = 0; e < N_SHEAR; e++) c.shear[e] = l->shear[DIM == 3 ? e : 2];
   if (L->kind[next] == LTH_BLOCK_GENERAL) fetch_coefficients(L, next);
-  find_samples_d(l, block, SIDE, &c);
-  general_rows_d(&rows, &c, L->ratio, &ahead, Ku);
+  find_samples_d(block, &c);
+  general_rows_d(&rows, &c, &same, L->ratio, L->alive[block], L->plain[block], &ahead, Ku);
   finish_general(L, block, stiff, inert, held, Ku, values, result, lane);
   return sum_lanes(lane);
 }

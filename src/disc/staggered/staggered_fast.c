@@ -1,108 +1,10 @@
-/// Blocks of a level sorted by what they hold, and their coefficients in single precision.
+/// A level of the fast kernels: its coefficients in single precision, and scales of its interpolation.
 #include "disc/staggered/staggered_fast.h"
 #include "disc/staggered/staggered_slot.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static bool near_enough(double a, double b) { return fabs(a - b) <= 1e-14 * fabs(b); }
-
-/// Cells and edges that unknowns of a block touch, from `low` to `side` inclusive along each axis.
-static bool same_around(const LthStaggeredLevel *l, LitheIndex block, const double *v, int low,
-                        int high, double value) {
-  const LthSparseGrid *g = l->grid;
-  const LitheIndex *place = g->place + 3 * (LitheCount)block;
-  int deep = g->dim == 3;
-  for (int k = deep ? low : 0; k <= (deep ? high : 0); k++)
-    for (int j = low; j <= high; j++)
-      for (int i = low; i <= high; i++) {
-        LitheCount s = lth_slot_of(g, place[0] * g->side + i, place[1] * g->side + j,
-                                   deep ? place[2] * g->side + k : 0);
-        if (s < 0 || !near_enough(v[lth_level_at(l, s)], value)) return false;
-      }
-  return true;
-}
-
-static bool is_uniform(const LthStaggeredLevel *l, LitheIndex block) {
-  const LthSparseGrid *g = l->grid;
-  LitheCount first = (LitheCount)block * g->block_cells, at = lth_level_at(l, first);
-  double mu = l->mu[at], rho = l->mass[0][at];
-  for (int a = 0; a < g->dim; a++)
-    for (LitheCount s = first; s < first + g->block_cells; s++)
-      if (l->state[a][s] != LTH_UNKNOWN_FREE || !near_enough(l->mass[a][lth_level_at(l, s)], rho))
-        return false;
-  if (!(mu > 0) || !same_around(l, block, l->mu, -1, g->side - 1, mu) ||
-      !same_around(l, block, l->lambda, -1, g->side - 1, l->lambda[at]))
-    return false;
-  for (int e = 0; e < 3; e++)
-    if (l->shear[e] && !same_around(l, block, l->shear[e], 0, g->side, mu)) return false;
-  return true;
-}
-
-static LthBlockKind kind_of(const LthStaggeredLevel *l, LitheIndex block) {
-  bool any = false;
-  LitheCount first = (LitheCount)block * l->grid->block_cells;
-  for (int a = 0; a < l->grid->dim; a++)
-    for (LitheCount s = first; s < first + l->grid->block_cells; s++)
-      any |= l->state[a][s] != LTH_UNKNOWN_DEAD;
-  if (!any) return LTH_BLOCK_EMPTY;
-  return is_uniform(l, block) ? LTH_BLOCK_UNIFORM : LTH_BLOCK_GENERAL;
-}
-
-/// Some unknown of the row of slots is alive.
-static bool row_is_alive(const LthStaggeredLevel *l, LitheCount first) {
-  for (int a = 0; a < l->grid->dim; a++)
-    for (int i = 0; i < l->grid->side; i++)
-      if (l->state[a][first + i] != LTH_UNKNOWN_DEAD) return true;
-  return false;
-}
-
-/// Give places in vectors to rows that are alive, block by block, from 1 on.
-static LitheStatus number_rows(LitheCtx *ctx, LthFastLevel *L) {
-  const LthSparseGrid *g = L->grid;
-  const LitheIndex rows = g->block_cells / g->side;
-  LTH_NEW(ctx, L->row, (LitheCount)g->n_blocks * rows);
-  LTH_NEW(ctx, L->first, (LitheCount)g->n_blocks + 1);
-  L->n_rows = 1;
-  for (LitheIndex b = 0; b < g->n_blocks; b++) {
-    L->first[b] = L->n_rows;
-    for (LitheIndex r = 0; r < rows; r++) {
-      const LitheCount at = (LitheCount)b * rows + r;
-      if (L->kind[b] != LTH_BLOCK_EMPTY && row_is_alive(L->level, at * g->side))
-        L->row[at] = L->n_rows++;
-    }
-  }
-  L->first[g->n_blocks] = L->n_rows;
-  LTH_NEW(ctx, L->local, L->n_rows);
-  for (LitheCount r = 0; r < (LitheCount)g->n_blocks * rows; r++)
-    if (L->row[r] > 0) L->local[L->row[r]] = (uint8_t)(r % rows);
-  return LITHE_OK;
-}
-
-static LitheStatus sort_blocks(LitheCtx *ctx, LthFastLevel *L) {
-  LitheIndex n = L->grid->n_blocks;
-  LTH_NEW(ctx, L->kind, n);
-  LTH_NEW(ctx, L->number, n);
-  LTH_NEW(ctx, L->scaled, n);
-  LTH_NEW(ctx, L->same_scale, n);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheIndex b = 0; b < n; b++) L->kind[b] = (uint8_t)kind_of(L->level, b);
-  for (LitheIndex b = 0; b < n; b++) L->n_active += L->kind[b] != LTH_BLOCK_EMPTY;
-  LTH_NEW(ctx, L->active, L->n_active);
-  LITHE_TRY(number_rows(ctx, L));
-  LitheIndex at = 0;
-  for (LitheIndex b = 0; b < n; b++) {
-    L->number[b] = -1;
-    L->scaled[b] = -1;
-    L->same_scale[b] = 1;
-    if (L->kind[b] != LTH_BLOCK_EMPTY) L->active[at++] = b;
-    if (L->kind[b] != LTH_BLOCK_GENERAL) continue;
-    L->number[b] = L->n_general;
-    L->n_general += L->first[b + 1] - L->first[b];
-  }
-  return LITHE_OK;
-}
 
 /// Largest eigenvalue that one cell's or edge's share of the operator may have against its share of the diagonal:
 /// four faces around an edge give 4, two dim faces around a cell (8 mu + 4 dim lambda) / (4 mu + 2 lambda).
@@ -117,7 +19,7 @@ LitheStatus lth_fast_level_analyse(LitheCtx *ctx, const LthStaggeredLevel *level
   *L = (LthFastLevel){.level = level, .grid = level->grid};
   for (int a = 0; a < 3; a++) L->ratio[a] = level->grid->h[0] / level->grid->h[a];
   L->stiffest = stiffest_of(level);
-  LitheStatus status = sort_blocks(ctx, L);
+  LitheStatus status = lth_fast_level_sort(ctx, L);
   if (status != LITHE_OK) lth_fast_level_free(ctx, L);
   return status;
 }
@@ -136,6 +38,8 @@ void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
   lth_free(ctx, L->active);
   lth_free(ctx, L->kind);
   lth_free(ctx, L->row);
+  lth_free(ctx, L->alive);
+  lth_free(ctx, L->plain);
   lth_free(ctx, L->first);
   lth_free(ctx, L->local);
   lth_free(ctx, L->number);
@@ -232,7 +136,7 @@ void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *L, double cm, double ck, do
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex b = L->active[i];
-    const LitheCount first = lth_level_at(l, (LitheCount)b * L->grid->block_cells);
+    const LitheCount first = lth_fast_constant(L, b);
     float *c = L->constant + 3 * (LitheCount)b;
     c[0] = (float)(L->stiff * l->lambda[first]);
     c[1] = (float)(L->stiff * l->mu[first]);
@@ -339,5 +243,5 @@ LitheCount lth_fast_level_bytes(const LthFastLevel *L) {
   LitheCount samples = L->sample ? (LitheCount)lth_fast_samples(L) * g->side : 0;
   rows += L->pull ? L->n_rows : 0;
   return 4 * (3 * n + rows * lth_fast_width(L) + (L->level->n_rows + 1) * samples) +
-         4 * g->n_slots / g->side + 21 * n + L->n_rows + 4 * (LitheCount)L->n_active;
+         4 * g->n_slots / g->side + 37 * n + L->n_rows + 4 * (LitheCount)L->n_active;
 }

@@ -187,45 +187,36 @@ ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const N
 #define N_SHEAR (DIM == 3 ? 3 : 1)
 #define XY (DIM == 3 ? 2 : 0) // place of a shear in arrays of them; that along x is 0, y 1
 
-/// Coefficients of a general block: rows of cells (from -1 on) and of edges (up to SIDE) by their offsets; and the values
-/// of the cells before the rows, and of the edges behind them.
+/// Coefficients of a general block: rows of cells (from -1 on) and of edges (up to SIDE) by their offsets.
 typedef struct N(Samples) {
   const REAL *lambda, *mu, *shear[N_SHEAR];
   LitheCount cell[N_EDGE_ROWS], edge[N_EDGE_ROWS];
-  REAL lambda_before[DEEP * SIDE], mu_before[DEEP * SIDE];
-  REAL shear_behind[N_SHEAR][DEEP * SIDE]; ///< that along x is not needed
+  const LthStaggeredLevel *level;
+  LitheCount stride;         ///< from row to row of samples
+  LitheIndex before, behind; ///< blocks along x, -1: none
 } N(Samples);
 
-/// Offsets of rows (j, k) of a level's samples, `stride` apart, and of those in the block before or behind them.
-ALWAYS LitheCount N(sample_row)(const LthStaggeredLevel *l, LitheIndex block, int j, int k,
-                                LitheCount stride) {
+/// Offset of row (j, k) of a block's samples, of those of the next block where j or k is one beyond.
+ALWAYS LitheCount N(sample_row)(const N(Samples) * c, LitheIndex block, int j, int k) {
   const int at = (k & (DEEP - 1)) * SIDE + (j & (SIDE - 1));
-  return stride * (block < 0 ? l->n_rows : l->row[block * (LitheCount)BLOCK_ROWS + at]);
+  const LthStaggeredLevel *l = c->level;
+  return c->stride * (block < 0 ? l->n_rows : l->row[block * (LitheCount)BLOCK_ROWS + at]);
 }
 
-ALWAYS void N(find_samples)(const LthStaggeredLevel *l, LitheIndex block, LitheCount stride,
-                            N(Samples) * c) {
-  const LitheIndex *to = l->grid->neighbor + (LitheCount)block * N_NEAR;
+ALWAYS void N(find_samples)(LitheIndex block, N(Samples) * c) {
+  const LitheIndex *to = c->level->grid->neighbor + (LitheCount)block * N_NEAR;
   for (int k = FIRST_K; k < DEEP; k++) {
     const LitheIndex *plane = to + (DIM == 3 && k >= 0 ? 9 : 0);
     for (int j = -1; j < SIDE; j++)
-      c->cell[CELL_ROW(j, k)] = N(sample_row)(l, plane[j < 0 ? 1 : 4], j, k, stride);
-    for (int j = 0; k >= 0 && j < SIDE; j++) {
-      const LitheCount at = N(sample_row)(l, plane[3], j, k, stride) + SIDE - 1;
-      c->lambda_before[k * SIDE + j] = c->lambda[at];
-      c->mu_before[k * SIDE + j] = c->mu[at];
-    }
+      c->cell[CELL_ROW(j, k)] = N(sample_row)(c, plane[j < 0 ? 1 : 4], j, k);
   }
   for (int k = 0; k < DEEP - FIRST_K; k++) {
     const LitheIndex *plane = to + (DIM == 3 ? k < DEEP ? 9 : 18 : 0);
     for (int j = 0; j <= SIDE; j++)
-      c->edge[EDGE_ROW(j, k)] = N(sample_row)(l, plane[j < SIDE ? 4 : 7], j, k, stride);
-    for (int j = 0; k < DEEP && j < SIDE; j++) {
-      const LitheCount at = N(sample_row)(l, plane[5], j, k, stride);
-      c->shear_behind[XY][k * SIDE + j] = c->shear[XY][at];
-      if (DIM == 3) c->shear_behind[N_SHEAR / 2][k * SIDE + j] = c->shear[N_SHEAR / 2][at];
-    }
+      c->edge[EDGE_ROW(j, k)] = N(sample_row)(c, plane[j < SIDE ? 4 : 7], j, k);
   }
+  c->before = to[N_NEAR / 2 - 1];
+  c->behind = to[N_NEAR / 2 + 1];
 }
 
 ALWAYS N(Lane) N(normal_of)(const N(Lane) e[DIM], N(Lane) lambda, N(Lane) mu, N(Lane) s[DIM]) {
@@ -276,47 +267,39 @@ ALWAYS N(Lane) N(shear_zx)(const N(Rows) * rows, const N(Samples) * c, const REA
 }
 #endif
 
-/// Values beside a block, and its own first and last ones, of all rows; then stresses of the cells before the rows and
-/// of the edges behind them.
-typedef struct N(Columns) {
-  REAL before[DIM][N_ROWS], behind[DIM][N_ROWS], first[N_ROWS], last[DIM][N_ROWS];
-  REAL normal[DEEP * SIDE], shear[N_SHEAR][DEEP * SIDE];
-} N(Columns);
-
-ALWAYS void N(find_columns)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
-                            N(Columns) * C) {
-  for (int r = 0; r < N_ROWS; r++) {
-    C->first[r] = rows->at[1][r][0];
-    for (int a = 0; a < DIM; a++) {
-      C->before[a][r] = rows->at[0][r][a * SIDE + SIDE - 1];
-      C->behind[a][r] = rows->at[2][r][a * SIDE];
-      if (a > 0) C->last[a][r] = rows->at[1][r][a * SIDE + SIDE - 1];
-    }
-  }
-  for (int k = 0; k < DEEP; k++)
-    for (int j = 0; j < SIDE; j += LANES) {
-      const int r = ROW(j, k), at = k * SIDE + j;
-      N(Lane) e[DIM], s[DIM];
-      e[0] = (N(load)(C->first + r) - N(load)(C->before[0] + r)) * ratio[0];
-      e[1] = (N(load)(C->before[1] + r + 1) - N(load)(C->before[1] + r)) * ratio[1];
+/// Normal stress along x of the cell before row (j, k).
+ALWAYS REAL N(normal_before)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                             int k) {
+  const int r = ROW(j, k), last = SIDE - 1;
+  const LitheCount at = N(sample_row)(c, c->before, j, k) + last;
+  const REAL *const *x = rows->at[0];
+  const REAL e = (rows->at[1][r][0] - x[r][last]) * ratio[0];
+  REAL trace = e + (x[r + 1][SIDE + last] - x[r][SIDE + last]) * ratio[1];
 #if DIM == 3
-      e[2] = (N(load)(C->before[2] + r + ROWS_Z) - N(load)(C->before[2] + r)) * ratio[2];
+  trace += (x[r + ROWS_Z][2 * SIDE + last] - x[r][2 * SIDE + last]) * ratio[2];
 #endif
-      N(normal_of)(e, N(load)(c->lambda_before + at), N(load)(c->mu_before + at), s);
-      N(store)(C->normal + at, s[0]);
-      const REAL *x = C->behind[0] + r;
-      N(store)
-      (C->shear[XY] + at, N(load)(c->shear_behind[XY] + at) *
-                              ((N(load)(x) - N(load)(x - 1)) * ratio[1] +
-                               (N(load)(C->behind[1] + r) - N(load)(C->last[1] + r)) * ratio[0]));
-#if DIM == 3
-      N(store)
-      (C->shear[1] + at, N(load)(c->shear_behind[1] + at) *
-                             ((N(load)(C->behind[2] + r) - N(load)(C->last[2] + r)) * ratio[0] +
-                              (N(load)(x) - N(load)(x - ROWS_Z)) * ratio[2]));
-#endif
-    }
+  return 2 * c->mu[at] * e + c->lambda[at] * trace;
 }
+
+/// Shear stresses of the edges behind row (j, k).
+ALWAYS REAL N(xy_behind)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                         int k) {
+  const int r = ROW(j, k);
+  const REAL *const *x = rows->at[2];
+  return c->shear[XY][N(sample_row)(c, c->behind, j, k)] *
+         ((x[r][0] - x[r - 1][0]) * ratio[1] +
+          (x[r][SIDE] - rows->at[1][r][2 * SIDE - 1]) * ratio[0]);
+}
+#if DIM == 3
+ALWAYS REAL N(zx_behind)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
+                         int k) {
+  const int r = ROW(j, k);
+  const REAL *const *x = rows->at[2];
+  return c->shear[1][N(sample_row)(c, c->behind, j, k)] *
+         ((x[r][2 * SIDE] - rows->at[1][r][3 * SIDE - 1]) * ratio[0] +
+          (x[r][0] - x[r - ROWS_Z][0]) * ratio[2]);
+}
+#endif
 
 /// Stresses of one plane of rows; those of the planes below and above where they are of use.
 typedef struct N(Plane) {
@@ -326,7 +309,7 @@ typedef struct N(Plane) {
 #endif
 } N(Plane);
 
-/// A row of which lane 0 (or the last) comes from a column.
+/// A row of which lane 0 (or the last) is another value.
 ALWAYS N(Lane) N(all)(REAL value) { return (N(Lane)){0} + value; }
 ALWAYS N(Lane) N(row_low)(const REAL *row, int i, REAL before) {
   return i > 0 ? N(load)(row + i - 1) : N(shift_down)(N(all)(before), N(load)(row));
@@ -335,22 +318,33 @@ ALWAYS N(Lane) N(row_high)(const REAL *row, int i, REAL behind) {
   return i + LANES < SIDE ? N(load)(row + i + 1) : N(shift_up)(N(load)(row + i), N(all)(behind));
 }
 
-/// Stresses of plane k that later ones need too: zz below, yz and zx above; k = -1 starts.
+/// Bits of the rows of plane k among those of a block, none where there is no such plane.
+ALWAYS unsigned N(plane_of)(uint64_t rows, int k) {
+  return k < 0 || k >= DEEP ? 0 : (unsigned)(rows >> (k * SIDE)) & ((1U << SIDE) - 1);
+}
+
 #if DIM == 3
-ALWAYS void N(next_plane)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int k,
-                          N(Plane) * P) {
+/// Shear stresses of plane k + 1, as far as `wanted` rows of it and of the plane below read them.
+ALWAYS void N(next_plane)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
+                          uint64_t wanted, int k, N(Plane) * P) {
   const int above = (k + 1) & 1;
+  const unsigned low = N(plane_of)(wanted, k), high = N(plane_of)(wanted, k + 1);
+  const unsigned yz = low | high | high << 1, zx = low | high;
   for (int j = 0; j <= SIDE; j++)
-    N(store)(P->yz[above][j], N(shear_yz)(rows, c, ratio, j, k + 1, 0));
+    if (yz >> j & 1) N(store)(P->yz[above][j], N(shear_yz)(rows, c, ratio, j, k + 1, 0));
   for (int j = 0; j < SIDE; j++)
-    N(store)(P->zx[above][j], N(shear_zx)(rows, c, ratio, j, k + 1, 0));
+    if (zx >> j & 1) N(store)(P->zx[above][j], N(shear_zx)(rows, c, ratio, j, k + 1, 0));
 }
 #endif
 
+/// Other stresses of plane k, as far as `wanted` rows of it and of the plane above read them.
 ALWAYS void N(find_plane_stresses)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
-                                   int k, N(Plane) * P) {
+                                   uint64_t wanted, int k, N(Plane) * P) {
+  const unsigned here = N(plane_of)(wanted, k), above = N(plane_of)(wanted, k + 1);
+  const unsigned cells = here | here << 1 | above << 1,
+                 edges = here | here << 1; // cells: row j at bit j + 1
   for (int j = -1; j < SIDE; j++)
-    for (int i = 0; i < SIDE; i += LANES) {
+    for (int i = 0; (cells >> (j + 1) & 1) && i < SIDE; i += LANES) {
       N(Lane) s[DIM];
       N(normal)(rows, c, ratio, j, k, i, s);
       N(store)(P->yy[j + 1] + i, s[1]);
@@ -361,58 +355,68 @@ ALWAYS void N(find_plane_stresses)(const N(Rows) * rows, const N(Samples) * c, c
 #endif
     }
   for (int j = 0; j <= SIDE; j++)
-    for (int i = 0; i < SIDE; i += LANES)
+    for (int i = 0; (edges >> j & 1) && i < SIDE; i += LANES)
       N(store)(P->xy[j] + i, N(shear_xy)(rows, c, ratio, j, k, i));
 }
 
-ALWAYS void N(add_rows)(const N(Plane) * P, const N(Columns) * C, const REAL ratio[3], int k,
-                        REAL *y) {
-  for (int j = 0; j < SIDE; j++)
-    for (int i = 0; i < SIDE; i += LANES) {
-      const int at = k * SIDE + j;
-      REAL *to = y + at * WIDTH + i;
-      const N(Lane) xy = N(load)(P->xy[j] + i);
-      N(Lane)
-      fx = (N(row_low)(P->xx[j], i, C->normal[at]) - N(load)(P->xx[j] + i)) * ratio[0] -
-           (N(load)(P->xy[j + 1] + i) - xy) * ratio[1];
-      N(Lane)
-      fy = (N(load)(P->yy[j] + i) - N(load)(P->yy[j + 1] + i)) * ratio[1] -
-           (N(row_high)(P->xy[j], i, C->shear[XY][at]) - xy) * ratio[0];
+/// Row (j, k) from the stresses around it.
+ALWAYS void N(add_row)(const N(Plane) * P, const N(Rows) * rows, const N(Samples) * c,
+                       const REAL ratio[3], int j, int k, REAL *y) {
+  const REAL before = N(normal_before)(rows, c, ratio, j, k),
+             xy_behind = N(xy_behind)(rows, c, ratio, j, k);
 #if DIM == 3
-      const int here = k & 1, above = here ^ 1;
-      const N(Lane) yz = N(load)(P->yz[here][j]), zx = N(load)(P->zx[here][j]);
-      fx -= (N(load)(P->zx[above][j]) - zx) * ratio[2];
-      fy -= (N(load)(P->yz[above][j]) - yz) * ratio[2];
-      N(store)
-      (to + 2 * SIDE, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
-                          (N(row_high)(P->zx[here][j], 0, C->shear[1][at]) - zx) * ratio[0] -
-                          (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
+  const REAL zx_behind = N(zx_behind)(rows, c, ratio, j, k);
 #endif
-      N(store)(to, fx);
-      N(store)(to + SIDE, fy);
-    }
+  for (int i = 0; i < SIDE; i += LANES) {
+    const N(Lane) xy = N(load)(P->xy[j] + i);
+    N(Lane)
+    fx = (N(row_low)(P->xx[j], i, before) - N(load)(P->xx[j] + i)) * ratio[0] -
+         (N(load)(P->xy[j + 1] + i) - xy) * ratio[1];
+    N(Lane)
+    fy = (N(load)(P->yy[j] + i) - N(load)(P->yy[j + 1] + i)) * ratio[1] -
+         (N(row_high)(P->xy[j], i, xy_behind) - xy) * ratio[0];
+#if DIM == 3
+    const int here = k & 1, above = here ^ 1;
+    const N(Lane) yz = N(load)(P->yz[here][j]), zx = N(load)(P->zx[here][j]);
+    fx -= (N(load)(P->zx[above][j]) - zx) * ratio[2];
+    fy -= (N(load)(P->yz[above][j]) - yz) * ratio[2];
+    N(store)
+    (y + 2 * SIDE, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
+                       (N(row_high)(P->zx[here][j], 0, zx_behind) - zx) * ratio[0] -
+                       (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
+#endif
+    N(store)(y + i, fx);
+    N(store)(y + SIDE + i, fy);
+  }
 }
 
-/// y = K u with the coefficients of a general block.
-ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
+/// y = K u in the rows of a general block that are alive: plain ones with constant coefficients.
+ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const N(Constant) * same,
+                            const REAL ratio[3], uint64_t alive, uint64_t plain,
                             const N(Ahead) * ahead, REAL *y) {
-  N(Columns) C;
+  const uint64_t wanted = alive & ~plain;
   N(Plane) P;
-  N(find_columns)(rows, c, ratio, &C);
 #if DIM == 3
   for (int j = 0; j < SIDE; j++) {
+    if (!(wanted >> j & 1)) continue;
     N(Lane) s[DIM];
     N(normal)(rows, c, ratio, j, -1, 0, s);
     N(store)(P.zz[1][j], s[2]);
   }
-  N(next_plane)(rows, c, ratio, -1, &P);
+  N(next_plane)(rows, c, ratio, wanted, -1, &P);
 #endif
   for (int k = 0; k < DEEP; k++) {
     for (int j = 0; j < SIDE; j++) N(fetch)(ahead, k * SIDE + j);
-    N(find_plane_stresses)(rows, c, ratio, k, &P);
+    N(find_plane_stresses)(rows, c, ratio, wanted, k, &P);
 #if DIM == 3
-    N(next_plane)(rows, c, ratio, k, &P);
+    N(next_plane)(rows, c, ratio, wanted, k, &P);
 #endif
-    N(add_rows)(&P, &C, ratio, k, y);
+    for (int j = 0; j < SIDE; j++) {
+      const int row = k * SIDE + j;
+      REAL *to = y + row * WIDTH;
+      if (wanted >> row & 1) N(add_row)(&P, rows, c, ratio, j, k, to);
+      for (int i = 0; (plain >> row & 1) && i < SIDE; i += LANES)
+        N(uniform_row)(rows, same, ROW(j, k), i, to + i);
+    }
   }
 }
