@@ -52,9 +52,11 @@ static LitheStatus create(LitheCtx *ctx, const LthTieDef *def, LthTie *tie) {
     tie->side[s] = def->side[s];
     LTH_NEW(ctx, tie->tied[s], def->side[s].patches->n);
   }
+  bool is_empty = def->side[0].patches->n == 0 || def->side[1].patches->n == 0;
+  if (is_empty && def->may_be_empty) return LITHE_OK;
   LITHE_TRY(tie_faces(ctx, def, tie));
   LITHE_TRY(lth_tie_springs_create(ctx, def, tie, &tie->coupling[1], &gap, &reach));
-  if (!tie->coupling[0].self && !tie->coupling[1].self)
+  if (!tie->coupling[0].self && !tie->coupling[1].self && !def->may_be_empty)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "%s: %s and %s have nothing to tie: their surfaces are %.3g m apart where they are "
                "nearest, and only surfaces that face each other within %.3g m (a quarter of a "
@@ -76,7 +78,7 @@ LitheStatus lth_tie_create(LitheCtx *ctx, const LthTieDef *def, LthTie **tie) {
     t->coupling[0] = t->coupling[1];
     t->coupling[1] = (LthCoupling){0};
   }
-  t->n_couplings = t->coupling[1].self ? 2 : 1;
+  t->n_couplings = t->coupling[1].self ? 2 : t->coupling[0].self ? 1 : 0;
   *tie = t;
   return LITHE_OK;
 }
@@ -98,6 +100,7 @@ static double tied_distance2(void *self, LitheIndex i, const double x[3], double
 LitheStatus lth_tie_mark(LitheCtx *ctx, const LthTie *tie, int side, LitheIndex n,
                          const double *points, uint8_t *marked) {
   LthBvh *tree = NULL;
+  if (tie->n_couplings == 0) return LITHE_OK;
   const double reach = lth_tie_reach(tie->side);
   LITHE_TRY(lth_patches_tree(ctx, tie->side[side].patches, &tree));
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))

@@ -23,6 +23,7 @@ typedef struct LthTieSide {
 typedef struct LthTieDef {
   const char *place; ///< "scene.yaml:8:3: tie.0", for messages
   LthTieSide side[2];
+  bool may_be_empty; ///< having nothing in common is no error: then nothing is coupled
 } LthTieDef;
 
 /// What was found in common, and what it adds to the system.

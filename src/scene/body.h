@@ -196,10 +196,10 @@ bool lth_is_strong(const LthSceneConstraint *constraint);
 /// Take over patches, which live as long as the body; they are freed where that fails.
 LitheStatus lth_body_own_patches(LitheCtx *ctx, LthBody *body, LthPatches *patches);
 
-/// The nodes that a point force acts on; none is an error.
+/// The nodes that a point force acts on; none is an error, or a loss (change.h) that leaves `*places` as it is.
 LitheStatus lth_build_places(LitheCtx *ctx, const LthBody *body, const LthSceneLoad *load,
                              LthPlaces **places);
 
-/// The patches that `where` selects; none is an error that names `place` and the body's box.
+/// The patches that `where` selects; none is an error that names `place` and the body's box, or a loss (change.h).
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches);

@@ -87,6 +87,10 @@ LitheStatus lth_boundary_divide(LitheCtx *ctx, LthBody *body, const char *place,
   *parts = (LthBoundaryParts){0};
   LITHE_TRY(lth_build_patches(ctx, body, place, where, &all));
   LitheStatus status = LITHE_OK;
+  if (all->n == 0) {
+    lth_patches_destroy(ctx, &all);
+    return LITHE_OK;
+  }
   if (n_by == 0) {
     LITHE_TRY(lth_body_own_patches(ctx, body, all));
     LTH_RESERVE(ctx, parts->items, parts->cap, 1);

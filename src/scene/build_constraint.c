@@ -2,6 +2,7 @@
 #include "scene/boundary_parts.h"
 
 #include "base/tensor.h"
+#include "scene/change.h"
 #include "scene/expression.h"
 
 #include <math.h>
@@ -21,9 +22,13 @@ static const char *hint_of(const LthSceneBody *def) {
 LitheStatus lth_build_patches(LitheCtx *ctx, const LthBody *body, const char *place,
                               const LthWhere *where, LthPatches **patches) {
   const double *box = body->box;
+  bool is_loss = false;
   LITHE_TRY(lth_select_boundary(ctx, body->mesh, where, patches));
   if ((*patches)->n > 0) return LITHE_OK;
+  LitheStatus status = lth_body_lose(ctx, body, place, &is_loss);
+  if (status == LITHE_OK && is_loss) return LITHE_OK;
   lth_patches_destroy(ctx, patches);
+  LITHE_TRY(status);
   LITHE_FAIL(
       ctx, LITHE_BAD_INPUT,
       "%s.where: selects nothing of the body's boundary; the body reaches from (%g, %g, %g) to "
@@ -174,7 +179,9 @@ static LitheStatus mark_components(LitheCtx *ctx, const LthBody *body, LitheInde
       if (c->fixed[a]) take(motion_of, k, a, 2 * i);
   }
   lth_free(ctx, chosen);
-  return status == LITHE_OK && !any ? fail_empty(ctx, body, c) : status;
+  LITHE_TRY(status);
+  if (!any) LITHE_TRY(lth_body_lose(ctx, body, c->place, &any));
+  return any ? LITHE_OK : fail_empty(ctx, body, c);
 }
 
 /// A roller: elements at the selected boundary, along the axis of its normal; motion 2 i + 1 where the normal

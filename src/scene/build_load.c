@@ -1,5 +1,6 @@
 /// Loads of a scene -> loads on boundary patches, at nodes and in the volume.
 #include "scene/boundary_parts.h"
+#include "scene/change.h"
 
 #include <string.h>
 
@@ -47,7 +48,10 @@ static LitheStatus add_parts(LitheCtx *ctx, LthBody *body, const LthSceneLoad *f
   }
   static const LthBoundaryPart nothing_held = {0};
   LthLoad whole = load_from(from);
+  bool is_loss;
   if (body->n_loads > before || (parts->n > 0 && is_taken(&whole, &nothing_held))) return LITHE_OK;
+  LITHE_TRY(lth_body_lose(ctx, body, from->place, &is_loss));
+  if (is_loss) return LITHE_OK;
   LITHE_FAIL(ctx, LITHE_BAD_INPUT,
              "%s.where: selects only boundary that a constraint holds, where a load has no effect; "
              "select more, or hold less",
@@ -78,6 +82,7 @@ LitheStatus lth_build_loads(LitheCtx *ctx, LthBody *body) {
     bool at_nodes = from->kind == LTH_LOAD_POINT_FORCE;
     if (at_nodes) LITHE_TRY_OR(done, lth_build_places(ctx, body, from, body->places + i));
     load.places = body->places[i];
+    if (at_nodes && !load.places) continue; // lost
     if (at_nodes || from->kind == LTH_LOAD_BODY_FORCE)
       LITHE_TRY_OR(done, add_load(ctx, body, &load));
     else

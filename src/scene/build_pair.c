@@ -1,5 +1,5 @@
 /// What is between bodies: ties, contact of every two, and of the parts of each.
-#include "scene/world.h"
+#include "scene/change.h"
 
 #include "base/tensor.h"
 
@@ -34,6 +34,7 @@ static LthTieSide tie_side(const LthWorld *world, LitheIndex b, const LthPatches
 static LitheStatus build_tie(LitheCtx *ctx, const LthWorld *world, const LthSceneTie *from,
                              LthWorldTie *to) {
   LthTieDef def = {.place = from->place};
+  const LthBody *changed = NULL;
   for (int s = 0; s < 2; s++)
     if (world->bodies[from->body[s]]->staggered)
       LITHE_FAIL(
@@ -46,8 +47,13 @@ static LitheStatus build_tie(LitheCtx *ctx, const LthWorld *world, const LthScen
     LITHE_TRY(lth_build_patches(ctx, world->bodies[from->body[s]], from->place, &from->where,
                                 &to->patches[s]));
     def.side[s] = tie_side(world, from->body[s], to->patches[s]);
+    const LthBodyChange *change = world->bodies[from->body[s]]->change;
+    if (change && change->is_running) changed = world->bodies[from->body[s]];
   }
-  return lth_tie_create(ctx, &def, &to->tie);
+  def.may_be_empty = changed;
+  LITHE_TRY(lth_tie_create(ctx, &def, &to->tie));
+  bool is_loss;
+  return to->tie->n_couplings > 0 ? LITHE_OK : lth_body_lose(ctx, changed, from->place, &is_loss);
 }
 
 LitheStatus lth_world_build_ties(LitheCtx *ctx, LthWorld *world) {

@@ -1,6 +1,6 @@
 /// Nodes that point forces act on, with the elements around them.
 #include "mesh/node_selection.h"
-#include "scene/body.h"
+#include "scene/change.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -93,7 +93,9 @@ LitheStatus lth_build_places(LitheCtx *ctx, const LthBody *body, const LthSceneL
   LITHE_TRY_OR(done, elements ? pair_elements(ctx, elements, chosen, &list)
                               : pair_points(ctx, body->mesh, chosen, &list));
   if (list.n == 0) {
-    status = none_chosen(ctx, body, load);
+    bool is_loss;
+    LITHE_TRY_OR(done, lth_body_lose(ctx, body, load->place, &is_loss));
+    if (!is_loss) status = none_chosen(ctx, body, load);
     goto done;
   }
   qsort(list.pair, (size_t)list.n, sizeof *list.pair, compare);

@@ -59,8 +59,8 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   lth_dg_store_destroy(ctx, &c->store);
   if (c->refinement) lth_refinement_free(ctx, c->refinement);
   lth_free(ctx, c->refinement);
-  void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level,
-                    c->degree,      c->atom_record, c->is_open,     c};
+  void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level, c->degree,
+                    c->atom_record, c->is_open,     c->losses,      c};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   body->change = NULL;
 }

@@ -11,6 +11,13 @@
 
 typedef struct LthCutSurface LthCutSurface; // cut_surface.h
 
+/// A constraint, load or tie of whose boundary (nodes, elements) a change in the middle of a run left nothing.
+typedef struct LthLoss {
+  LitheIndex kind;  ///< 0: constraint, 1: load of the body, 2: tie of the scene
+  LitheIndex index; ///< in that list
+  double t;         ///< [s]
+} LthLoss;
+
 /// What a body with `cuts` or `adapt` has besides its mesh. Records are those of the topology; arrays by record
 /// are as long as lth_body_change_inherit() made them.
 struct LthBodyChange {
@@ -39,6 +46,11 @@ struct LthBodyChange {
   LthCutSurface
       *surface;      ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
   LthDgStore *store; ///< integrals by record
+
+  bool is_running; ///< the run has begun: from now on selections may be of nothing
+  LthLoss *losses; ///< once each, in order
+  LitheIndex n_losses;
+  LitheCount cap_losses;
 
   bool *
       is_open; ///< cuts whose other side was taken away: their faces are boundary like any other (n_cuts)
@@ -80,6 +92,13 @@ LthDgRecords lth_body_records(const LthBody *body);
 /// Take them over, if that is not done, and forget the log.
 LitheStatus lth_body_change_number(LitheCtx *ctx, LthBody *body, LitheIndex *cell_record,
                                    LitheIndex *face_record);
+
+/// The constraint, load or tie with the given `place` (that pointer) selects nothing of a body. In the middle of a run that is a
+/// loss, which is noted and warned of once; else `*is_loss` is false, and it is the caller's error.
+LitheStatus lth_body_lose(LitheCtx *ctx, const LthBody *body, const char *place, bool *is_loss);
+/// Its name, as "bodies.0.loads.1", in `name`.
+const char *lth_loss_name(const LthBody *body, const LthLoss *loss, char *name, size_t size);
+void lth_losses_archive(LthBodyChange *change, LthArchive *archive);
 
 /// Append a note on a change.
 LitheStatus lth_world_note(LitheCtx *ctx, LthWorld *world, const LthChangeNote *note);

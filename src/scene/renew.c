@@ -105,6 +105,7 @@ static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
   LitheStatus status = LITHE_OK;
   LthMesh *mesh = NULL;
   LitheIndex *cell_record = NULL, *face_record = NULL;
+  body->change->is_running = true;
   LITHE_TRY(lth_body_change_inherit(ctx, body));
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));
   LITHE_TRY_OR(done, lth_cut_surface_follow(ctx, body, mesh, cell_record));

@@ -27,6 +27,7 @@ static void walk_topology(LthArchive *a, LthBodyChange *c) {
   lth_topology_archive(c->topology, a);
   if (a->status == LITHE_OK && a->is_reading) a->status = make_room(a->ctx, c);
   LTH_ARCHIVE_ARRAY(a, c->is_open, c->n_cuts);
+  lth_losses_archive(c, a);
   LTH_ARCHIVE_ARRAY(a, c->level, c->topology->n_cells);
   LTH_ARCHIVE_ARRAY(a, c->degree, c->topology->n_cells);
 }
@@ -46,6 +47,7 @@ static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRen
   LthMesh *mesh = NULL;
   LitheIndex *cell_record = NULL, *face_record = NULL;
   LitheStatus status = LITHE_OK;
+  body->change->is_running = true;
   walk_topology(a, body->change);
   LITHE_TRY(a->status);
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));

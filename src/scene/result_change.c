@@ -25,11 +25,34 @@ static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *
   lth_json_end_object(json);
 }
 
+/// Constraints, loads and ties that act on nothing any more.
+static void put_losses(LthJson *json, const LthWorld *world) {
+  LitheIndex n = 0;
+  for (LitheIndex b = 0; b < world->n_bodies; b++)
+    if (world->bodies[b]->change) n += world->bodies[b]->change->n_losses;
+  if (n == 0) return;
+  lth_json_begin_array(json, "lost");
+  for (LitheIndex b = 0; b < world->n_bodies; b++) {
+    const LthBody *body = world->bodies[b];
+    for (LitheIndex i = 0; body->change && i < body->change->n_losses; i++) {
+      const LthLoss *loss = body->change->losses + i;
+      char name[80];
+      lth_json_begin_object(json, NULL);
+      lth_json_string(json, "what", lth_loss_name(body, loss, name, sizeof name));
+      lth_json_string(json, "body", body->def->name);
+      lth_json_number(json, "time", loss->t);
+      lth_json_end_object(json);
+    }
+  }
+  lth_json_end_array(json);
+}
+
 void lth_result_put_changes(LthJson *json, const LthWorld *world) {
   if (world->n_notes == 0) return;
   lth_json_begin_array(json, "topology");
   for (LitheIndex i = 0; i < world->n_notes; i++) put_note(json, world, world->notes + i);
   lth_json_end_array(json);
+  put_losses(json, world);
 }
 
 /// Levels and degrees that cells have now.

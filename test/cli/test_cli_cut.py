@@ -37,6 +37,29 @@ time: static
 output: {fields: [vtu]}
 """
 
+LOSE = """lithe: 1
+bodies:
+  - name: bar
+    shape: {box: {min: [0, 0, 0], max: [1, 0.2, 0.2]}}
+    material: {young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: [10, 2, 2], degree: 1}
+    embed: {}
+    constraints: [{where: {plane: {point: [0.001, 0, 0], normal: [-1, 0, 0]}}, displacement: [0, 0, 0]}]
+    loads:
+      - {where: {plane: {point: [0.999, 0, 0], normal: [1, 0, 0]}}, traction: [0, -10, 0]}
+      - {where: {plane: {point: [0.999, 0, 0], normal: [1, 0, 0]}}, point_force: [0, -1, 0]}
+  - name: block
+    shape: {box: {min: [1, 0, 0], max: [1.2, 0.2, 0.2]}}
+    material: {young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: [2, 2, 2], degree: 1}
+tie: [{bodies: [bar, block]}]
+contact: {bodies: false}
+gravity: [0, -9.81, 0]
+cuts: [{at: 0.025, body: bar, carve: {box: {min: [0.23, -5, -5], max: [0.77, 5, 5]}}, keep: inside, space: rest}]
+time: {kind: dynamic, duration: 0.1, step: 0.01}
+output: {every: 0.02, fields: [vtu], surface: [pc2], checkpoint: 0}
+"""
+
 
 def solve(d, text, *options):
     write(d, "scene.yaml", text)
@@ -54,6 +77,25 @@ check_resumes("cut", DROP, [(2, signal.SIGKILL), (9, signal.SIGINT)])
 for kind in ("bdf2", "newmark"):
     check_resumes("cut by " + kind, DROP, [(7, signal.SIGKILL)], ["time.integrator=" + kind, "colliders=[]"])
 check_resumes("bend and cut", BEND, [(5, signal.SIGKILL)])
+
+check_resumes("carved out of its supports", LOSE, [(2, signal.SIGKILL), (6, signal.SIGKILL)])
+
+with folder() as d:
+    got, result = solve(d, LOSE)
+    lost = [loss["what"] for loss in result["lost"]]
+    expect("a_run_goes_on_where_carving_leaves_nothing_of_selections", lost == [
+        "bodies.0.constraints.0", "bodies.0.loads.0", "bodies.0.loads.1", "tie.0"], result["lost"])
+    expect("each_is_warned_of_once", [sum("acts on nothing" in w and name + ":" in w for w in result["warnings"])
+                                      for name in lost] == [1, 1, 1, 1], result["warnings"])
+    expect("and_pushes_no_more", result["reaction"]["bodies.0.constraints.0"] == [0, 0, 0], result["reaction"])
+    rows = history(d)
+    gain = [rows[-1]["momentum_y"] - rows[-2]["momentum_y"], rows[-1]["t"] - rows[-2]["t"]]
+    mass = 1000 * (0.54 * 0.04 + 0.008)
+    expect("what_is_left_falls", abs(gain[0] + 9.81 * mass * gain[1]) < 1e-9 * mass, gain)
+    static = solve(d, LOSE, "--set", "time={kind: quasistatic, duration: 0.1, steps: 10}")[0]
+    expect("but_for_equilibria_nothing_holds_it", static.returncode == 2 and "nothing holds" in static.stderr, static.stderr)
+    first = solve(d, LOSE, "--set", "cuts.0.at=0")[0]
+    expect("and_at_the_start_it_is_an_error", first.returncode == 2 and "selects nothing" in first.stderr, first.stderr)
 
 with folder() as d:
     got, result = solve(d, DROP)
