@@ -312,6 +312,7 @@ LitheStatus lth_adapt_look(LitheCtx *ctx, LthWorld *world, double dt, int round,
   if (round == 0) a->n_looks++;
   lth_simulation_measure(ctx, world->sim); // rotations are those of the state
   const double *rate = acceleration(world, dt);
+  lth_world_cost_begin(world);
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     LthBody *body = world->bodies[b];
     if (!body->change || !body->change->refinement) continue;

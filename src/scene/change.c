@@ -168,6 +168,25 @@ LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body) {
   return lth_body_change_number(ctx, body, cell_record, face_record);
 }
 
+void lth_world_cost_begin(LthWorld *world) {
+  world->cost = (LthCost){.last = lth_now(), .n_told = world->n_settled};
+}
+
+void lth_world_cost_add(LthWorld *world, LthCostPart part) {
+  double now = lth_now();
+  world->cost.seconds[part] += now - world->cost.last;
+  world->cost.last = now;
+}
+
+void lth_world_cost_tell(LthWorld *world, double factor) {
+  LthCost *cost = &world->cost;
+  if (!cost->waits) return;
+  cost->seconds[LTH_COST_SOLVER] = factor;
+  for (LitheIndex i = cost->n_told; i < world->n_notes; i++)
+    memcpy(world->notes[i].seconds, cost->seconds, sizeof cost->seconds);
+  cost->waits = false;
+}
+
 LitheStatus lth_world_note(LitheCtx *ctx, LthWorld *world, const LthChangeNote *note) {
   LTH_RESERVE(ctx, world->notes, world->cap_notes, (LitheCount)world->n_notes + 1);
   world->notes[world->n_notes++] = *note;

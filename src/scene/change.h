@@ -113,5 +113,12 @@ LitheStatus lth_world_settle_notes(LitheCtx *ctx, LthWorld *world);
 /// the world may only be destroyed.
 LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world);
 
+/// Begin to count what a change costs; add the time since the last call to a part.
+void lth_world_cost_begin(LthWorld *world);
+void lth_world_cost_add(LthWorld *world, LthCostPart part);
+
+/// Once the next step is made, `factor` seconds of which went into preconditioners: give the notes of the last change its cost.
+void lth_world_cost_tell(LthWorld *world, double factor);
+
 /// The elements of all bodies and the notes, so that another process has them to the bit. Reading renews the world.
 void lth_world_change_archive(LthWorld *world, LthArchive *archive);

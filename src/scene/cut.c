@@ -181,6 +181,7 @@ LitheStatus lth_world_cut_first(LitheCtx *ctx, LthWorld *world) {
 LitheStatus lth_world_cut_due(LitheCtx *ctx, LthWorld *world, double end, bool *changed) {
   const LthScene *scene = world->scene;
   *changed = false;
+  lth_world_cost_begin(world);
   for (LitheIndex i = 0; i < scene->n_cuts; i++)
     if (!world->cut_done[i] && scene->cuts[i].at < end - ROUNDING * scene->duration)
       LITHE_TRY(make_cut(ctx, world, i));

@@ -101,14 +101,16 @@ void lth_renewal_take_parts(LthBody *body, LthRenewal *r) {
   body->contact = NULL;
 }
 
-static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
+static LitheStatus renew_body(LitheCtx *ctx, LthWorld *world, LthBody *body, LthRenewal *r) {
   LitheStatus status = LITHE_OK;
   LthMesh *mesh = NULL;
   LitheIndex *cell_record = NULL, *face_record = NULL;
   body->change->is_running = true;
   LITHE_TRY(lth_body_change_inherit(ctx, body));
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));
+  lth_world_cost_add(world, LTH_COST_MESH);
   LITHE_TRY_OR(done, lth_cut_surface_follow(ctx, body, mesh, cell_record));
+  lth_world_cost_add(world, LTH_COST_SURFACE);
   lth_renewal_take_parts(body, r);
   body->mesh = mesh;
   mesh = NULL;
@@ -116,9 +118,15 @@ static LitheStatus renew_body(LitheCtx *ctx, LthBody *body, LthRenewal *r) {
   LITHE_TRY_OR(done, find_atoms(ctx, body, cell_record, r));
   lth_body_change_take(ctx, body, cell_record, face_record);
   cell_record = face_record = NULL;
+  lth_world_cost_add(world, LTH_COST_MESH);
   LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
   LITHE_TRY_OR(done, inherit_material(ctx, body, r));
-  LITHE_TRY_OR(done, lth_body_build_on_mesh(ctx, body));
+  LITHE_TRY_OR(done, lth_body_build_conditions(ctx, body));
+  lth_world_cost_add(world, LTH_COST_INTEGRATION);
+  LITHE_TRY_OR(done, lth_build_embedding(ctx, body));
+  lth_world_cost_add(world, LTH_COST_EMBEDDING);
+  LITHE_TRY_OR(done, lth_build_contact(ctx, body));
+  lth_world_cost_add(world, LTH_COST_CONTACT);
   LITHE_TRY_OR(done, lth_body_change_number(ctx, body, body->change->cell_record,
                                             body->change->face_record));
 done:
@@ -215,20 +223,25 @@ void lth_world_free_taken(LitheCtx *ctx, LthWorld *old) {
 LitheStatus lth_world_join(LitheCtx *ctx, LthWorld *world) {
   LITHE_TRY(lth_world_build_ties(ctx, world));
   LITHE_TRY(lth_world_build_pairs(ctx, world));
+  lth_world_cost_add(world, LTH_COST_CONTACT);
   LITHE_TRY(lth_world_build_system(ctx, world));
-  return lth_world_create_simulation(ctx, world);
+  LITHE_TRY(lth_world_create_simulation(ctx, world));
+  lth_world_cost_add(world, LTH_COST_SYSTEM);
+  return LITHE_OK;
 }
 
 static LitheStatus rebuild(LitheCtx *ctx, LthWorld *world, const LthWorld *old,
                            LthRenewal *renewals) {
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     LthBody *body = world->bodies[b];
-    if (lth_body_has_changed(body)) LITHE_TRY(renew_body(ctx, body, renewals + b));
+    if (lth_body_has_changed(body)) LITHE_TRY(renew_body(ctx, world, body, renewals + b));
   }
   LITHE_TRY(lth_world_join(ctx, world));
   Move move = {world, old->system, renewals};
   LITHE_TRY(lth_simulation_inherit(ctx, world->sim, old->sim, move_field, &move));
-  return lth_world_carry_contacts(ctx, world, old, renewals);
+  LITHE_TRY(lth_world_carry_contacts(ctx, world, old, renewals));
+  lth_world_cost_add(world, LTH_COST_TRANSFER);
+  return LITHE_OK;
 }
 
 /// The spaces and operators of before are gone.
@@ -244,12 +257,16 @@ LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world) {
   LthWorld old;
   LthRenewal *renewals = NULL;
   LTH_NEW(ctx, renewals, world->n_bodies);
+  lth_world_cost_add(world, LTH_COST_GEOMETRY);
   measure(ctx, world, 0);
+  lth_world_cost_add(world, LTH_COST_MEASURE);
   lth_world_take(world, renewals, &old);
   LITHE_TRY_OR(done, rebuild(ctx, world, &old, renewals));
   measure(ctx, world, 1);
   LITHE_TRY_OR(done, lth_world_settle_notes(ctx, world));
   world->n_renewals++;
+  world->cost.waits = true;
+  lth_world_cost_add(world, LTH_COST_MEASURE);
 done:
   lth_world_free_taken(ctx, &old);
   for (LitheIndex b = 0; b < world->n_bodies; b++) lth_renewal_free(ctx, renewals + b);

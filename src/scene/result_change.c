@@ -2,6 +2,18 @@
 #include "scene/adapt.h"
 #include "scene/result.h"
 
+static void put_cost(LthJson *json, const double *seconds) {
+  static const char *const parts[LTH_COST_COUNT] = {
+      "geometry", "mesh",     "surface", "integration", "embedding", "contact",
+      "system",   "transfer", "measure", "output",      "solver"};
+  double sum = 0;
+  for (int i = 0; i < LTH_COST_COUNT; i++) sum += seconds[i];
+  if (sum == 0) return; // before the first step everything is made for the first time
+  lth_json_begin_object(json, "seconds");
+  for (int i = 0; i < LTH_COST_COUNT; i++) lth_json_number(json, parts[i], seconds[i]);
+  lth_json_end_object(json);
+}
+
 static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *n) {
   static const char *const kinds[] = {"plane", "blade", "carve", "adapt"};
   bool has_missed = n->n_split + n->n_separated + n->n_removed + n->n_merged == 0;
@@ -22,6 +34,7 @@ static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *
   lth_json_number(json, "volume", n->volume);
   lth_json_vector(json, "strain_energy", 2, n->strain);
   lth_json_vector(json, "kinetic_energy", 2, n->kinetic);
+  put_cost(json, n->seconds);
   lth_json_end_object(json);
 }
 

@@ -4,6 +4,7 @@
 #include "io/file.h"
 #include "io/matrix_market.h"
 #include "scene/adapt.h"
+#include "scene/change.h"
 #include "scene/checkpoint.h"
 #include "scene/cut.h"
 #include "scene/result.h"
@@ -57,25 +58,33 @@ static LitheStatus write_frame(LitheCtx *ctx, Run *run) {
   return run->look->look(run->look->user, ctx, run->world, run->out.n_frames - 1);
 }
 
+static LitheStatus renew_output(LitheCtx *ctx, Run *run) {
+  LITHE_TRY(lth_output_renew(ctx, &run->out, run->world));
+  lth_world_cost_add(run->world, LTH_COST_OUTPUT);
+  return LITHE_OK;
+}
+
 /// Cuts that are due before the step to the time `to`.
 static LitheStatus change(LitheCtx *ctx, Run *run, double to) {
   bool changed;
   LITHE_TRY(lth_world_cut_due(ctx, run->world, to, &changed));
-  return changed ? lth_output_renew(ctx, &run->out, run->world) : LITHE_OK;
+  return changed ? renew_output(ctx, run) : LITHE_OK;
 }
 
 /// Look at the elements after a solve that led `dt` on (0: equilibrium). `*changed`: they are others now.
 static LitheStatus adapt(LitheCtx *ctx, Run *run, double dt, int round, bool *changed) {
   LITHE_TRY(lth_adapt_look(ctx, run->world, dt, round, changed));
-  return *changed ? lth_output_renew(ctx, &run->out, run->world) : LITHE_OK;
+  return *changed ? renew_output(ctx, run) : LITHE_OK;
 }
 
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
 static LitheStatus step(LitheCtx *ctx, Run *run, double dt, double to) {
+  double factor = lth_simulation_report(run->world->sim)->time_factor;
   LitheStatus status = run->schedule.kind == LTH_TIME_DYNAMIC
                            ? lth_simulation_step(ctx, run->world->sim, dt)
                            : lth_simulation_equilibrium(ctx, run->world->sim, to);
+  lth_world_cost_tell(run->world, lth_simulation_report(run->world->sim)->time_factor - factor);
   if (status == LITHE_NOT_CONVERGED)
     snprintf(run->reason, sizeof run->reason, "%s", lithe_ctx_message(ctx));
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)

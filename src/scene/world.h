@@ -29,19 +29,44 @@ typedef enum LthChangeKind {
   LTH_CHANGE_ADAPT
 } LthChangeKind;
 
+/// Parts of what a change costs.
+typedef enum LthCostPart {
+  LTH_COST_GEOMETRY,    ///< operations on the topology
+  LTH_COST_MESH,        ///< the mesh of all cells, and what old and new ones have in common
+  LTH_COST_SURFACE,     ///< the embedded surface cut
+  LTH_COST_INTEGRATION, ///< bases, face tables, matrices of elements, constraints, loads
+  LTH_COST_EMBEDDING,   ///< of the surface
+  LTH_COST_CONTACT,     ///< with colliders, and of bodies and parts
+  LTH_COST_SYSTEM,      ///< vectors and the pattern of the matrix
+  LTH_COST_TRANSFER,    ///< of the state and of what contacts remember
+  LTH_COST_MEASURE,     ///< energies before and after, figures of the mesh
+  LTH_COST_OUTPUT,      ///< observers
+  LTH_COST_SOLVER,      ///< preconditioners and factors made anew in the next step
+  LTH_COST_COUNT
+} LthCostPart;
+
+/// A clock that is read between parts.
+typedef struct LthCost {
+  double seconds[LTH_COST_COUNT];
+  double last;       ///< when it was read
+  LitheIndex n_told; ///< notes that have it
+  bool waits;        ///< for the next step
+} LthCost;
+
 /// One change of one body, as result.json tells it.
 typedef struct LthChangeNote {
   LthChangeKind kind;
   double t;             ///< [s]
   LitheIndex body, cut; ///< of the scene; cut -1: another change
   LitheIndex n_split, n_separated, n_merged,
-      n_removed;                ///< elements split, faces parted, elements merged, taken away
-  double area;                  ///< of one side of a cut [m^2]
-  double volume;                ///< of the body after it [m^3]
-  LitheIndex elements;          ///< after it
-  LitheCount unknowns;          ///< after it
-  LitheIndex pieces;            ///< parts of the body that do not hang together, after it
-  double strain[2], kinetic[2]; ///< of all bodies before and after [J]; 0 before the first solve
+      n_removed;                  ///< elements split, faces parted, elements merged, taken away
+  double area;                    ///< of one side of a cut [m^2]
+  double volume;                  ///< of the body after it [m^3]
+  LitheIndex elements;            ///< after it
+  LitheCount unknowns;            ///< after it
+  LitheIndex pieces;              ///< parts of the body that do not hang together, after it
+  double strain[2], kinetic[2];   ///< of all bodies before and after [J]; 0 before the first solve
+  double seconds[LTH_COST_COUNT]; ///< of all changes of that time together
 } LthChangeNote;
 
 typedef struct LthWorld {
@@ -61,6 +86,7 @@ typedef struct LthWorld {
   LitheIndex n_notes, n_settled; ///< settled: energies are known
   LitheCount cap_notes;
   LitheIndex n_renewals;
+  LthCost cost;    ///< of the last change
   LthAdapt *adapt; ///< NULL: nothing adapts
 } LthWorld;
 
