@@ -66,8 +66,9 @@ done:
 }
 
 static void free_side(LitheCtx *ctx, LthContactSide *s) {
-  void *blocks[] = {s->block_off, s->position,    s->sample_value, s->sample_force, s->touched,
-                    s->slot_off,  s->sample_slot, s->slot_active,  s->slot_weight};
+  void *blocks[] = {s->block_off,   s->position,   s->sample_value,  s->sample_force,
+                    s->touched,     s->slot_off,   s->sample_slot,   s->slot_active,
+                    s->slot_weight, s->active_off, s->active_sample, s->active_weight};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(ctx, blocks[i]);
 }
 
@@ -80,13 +81,16 @@ void lth_contact_destroy(LitheCtx *ctx, LthContact **contact) {
   lth_free(ctx, c->before);
   lth_free(ctx, c->active);
   lth_free(ctx, c->force_of);
+  lth_free(ctx, c->active_D);
   lth_free(ctx, c);
   *contact = NULL;
 }
 
 int lth_contact_sides(const LthContact *c) { return c->n_sides; }
 
-void lth_contact_place(LthContact *c, int side, LitheCount first_dof, LitheCount first_block) {
+void lth_contact_place(LthContact *c, int side, LitheIndex first_row, LitheCount first_dof,
+                       LitheCount first_block) {
+  c->side[side].first_row = first_row;
   c->side[side].first_dof = first_dof;
   c->side[side].first_block = first_block;
 }

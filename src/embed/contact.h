@@ -95,8 +95,9 @@ int lth_contact_sides(const LthContact *contact);
 /// Among the parts of one body: its forces sum up to nothing there.
 bool lth_contact_is_within(const LthContact *contact);
 
-/// Where a body stands in the vectors and diagonal blocks given to the functions below; 0 at first.
-void lth_contact_place(LthContact *contact, int side, LitheCount first_dof, LitheCount first_block);
+/// Where a body stands among block rows, vectors and diagonal blocks given to the functions below; 0 at first.
+void lth_contact_place(LthContact *contact, int side, LitheIndex first_row, LitheCount first_dof,
+                       LitheCount first_block);
 
 /// What points are looked for: a time step, or an equilibrium at t, for the first time or once more in the same
 /// search. In a search colliders stand where they are at t, friction's springs stay where they are fixed, also those of
@@ -133,6 +134,22 @@ void lth_contact_add_rhs(const LthContact *contact, double *rhs);
 /// Add to `extra`, laid out as LthBlockJacobi's diagonal blocks (those of all rows one after the
 /// other), a block diagonal matrix that is nowhere below the contact part where weights are positive.
 void lth_contact_add_diagonal(const LthContact *contact, double *extra);
+
+/// One side of a touch as if it hung on one block row alone: relative velocity is the sum over both ends of phi . v.
+typedef struct LthContactEnd {
+  LitheIndex row;
+  int nb;                       ///< functions of the row
+  double phi[LTH_DG_MAX_FUNCS]; ///< with its sign
+} LthContactEnd;
+
+/// D (3 x 3) of equation (4) as it stands; one end where a collider is touched.
+typedef void LthContactLumpFn(void *self, int n_ends, const LthContactEnd *end, const double *D);
+
+/// Visit active touches (`all`: also those that may become so), each lumped to the rows that it hangs on most: sum of (phi D phi^T) is
+/// near the contact part of the matrix for what hardly jumps between elements, and couples few rows. False: nothing is
+/// visited, for components have functions of their own.
+bool lth_contact_visit_lumps(const LthContact *contact, bool all, LthContactLumpFn *visit,
+                             void *self);
 
 /// After a solve: drop points that pull, take in those that end inside, let go of or hold those whose
 /// friction is above or below Coulomb's limit. Returns true where the step should be solved again; a few

@@ -43,7 +43,8 @@ typedef struct LthTouch {
 /// A body in a contact: where its points are, and its part of the linear system.
 typedef struct LthContactSide {
   const LthEmbedding *points;          ///< borrowed for life
-  LitheCount first_dof;                ///< of the body in vectors of the system
+  LitheIndex first_row;                ///< of the body among the system's block rows
+  LitheCount first_dof;                ///< and in its vectors
   LitheCount first_block;              ///< of its diagonal blocks [doubles]
   LitheCount *block_off;               ///< start of each row's diagonal block       (n_rows + 1)
   double weight_norm;                  ///< largest sum of |weights| of a point
@@ -61,6 +62,14 @@ typedef struct LthContactSide {
   LitheCount slot_active_cap;
   double *slot_weight;
   LitheCount slot_weight_cap;
+
+  // the same by active touch: samples and weights, one after the other
+  LitheCount *active_off; ///< (n_active + 1)
+  LitheCount active_off_cap;
+  LitheIndex *active_sample;
+  LitheCount active_sample_cap;
+  double *active_weight;
+  LitheCount active_weight_cap;
 } LthContactSide;
 
 /// What differs between contact with colliders and between bodies.
@@ -122,6 +131,8 @@ struct LthContact {
   LitheIndex *active; ///< places in touch, ascending               (n_active)
   LitheCount active_cap;
   LitheIndex n_active;
+  double *active_D; ///< D of each                                (n_active x 9)
+  LitheCount active_D_cap;
   double *force_of; ///< on each active point                     (n_active x 3)
   LitheCount force_of_cap;
 };

@@ -14,6 +14,7 @@ static LitheCount count_entries(const LthTouch *touch, int side, const LthEmbedd
 LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *c) {
   LTH_RESERVE(ctx, c->active, c->active_cap, c->n_touch);
   LTH_RESERVE(ctx, c->force_of, c->force_of_cap, 3 * (LitheCount)c->n_touch);
+  LTH_RESERVE(ctx, c->active_D, c->active_D_cap, 9 * (LitheCount)c->n_touch);
   for (int k = 0; k < c->n_sides; k++) {
     LthContactSide *s = &c->side[k];
     LitheCount total = 0;
@@ -23,6 +24,9 @@ LitheStatus lth_contact_reserve(LitheCtx *ctx, LthContact *c) {
     LTH_RESERVE(ctx, s->slot_off, s->slot_off_cap, samples + 2);
     LTH_RESERVE(ctx, s->slot_active, s->slot_active_cap, total);
     LTH_RESERVE(ctx, s->slot_weight, s->slot_weight_cap, total);
+    LTH_RESERVE(ctx, s->active_off, s->active_off_cap, (LitheCount)c->n_touch + 1);
+    LTH_RESERVE(ctx, s->active_sample, s->active_sample_cap, total);
+    LTH_RESERVE(ctx, s->active_weight, s->active_weight_cap, total);
   }
   return LITHE_OK;
 }
@@ -47,9 +51,11 @@ static void list_samples(const LthContact *c, int side, LthContactSide *s) {
   }
 }
 
-/// Count (`fill` false) or enter what hangs on each sample; slot_off is one place ahead while filling.
+/// Count (`fill` false) or enter what hangs on each sample, and on what samples each active touch; slot_off is one place ahead while
+/// filling.
 static void enter(const LthContact *c, int side, LthContactSide *s, bool fill) {
   const LthEmbedding *e = s->points;
+  LitheCount n = 0;
   for (LitheIndex i = 0; i < c->n_active; i++) {
     const LthTouch *touch = &c->touch[c->active[i]];
     for (int l = 0; l < touch->n_legs; l++) {
@@ -64,13 +70,17 @@ static void enter(const LthContact *c, int side, LthContactSide *s, bool fill) {
         LitheCount at = s->slot_off[slot + 1]++;
         s->slot_active[at] = i;
         s->slot_weight[at] = touch->leg[l].weight * e->weight[k];
+        s->active_sample[n] = e->sample[k];
+        s->active_weight[n++] = s->slot_weight[at];
       }
     }
+    if (fill) s->active_off[i + 1] = n;
   }
 }
 
 static void index_side(const LthContact *c, int side, LthContactSide *s) {
   list_samples(c, side, s);
+  for (LitheIndex i = 0; s->active_off && i <= c->n_active; i++) s->active_off[i] = 0;
   if (s->n_touched == 0) return;
   memset(s->slot_off, 0, sizeof *s->slot_off * ((size_t)s->n_touched + 2));
   enter(c, side, s, false);
@@ -81,7 +91,10 @@ static void index_side(const LthContact *c, int side, LthContactSide *s) {
 void lth_contact_index(LthContact *c) {
   c->n_active = 0;
   for (LitheIndex i = 0; i < c->n_touch; i++)
-    if (c->touch[i].active) c->active[c->n_active++] = i;
+    if (c->touch[i].active) {
+      memcpy(c->active_D + 9 * (size_t)c->n_active, c->touch[i].D, sizeof c->touch[i].D);
+      c->active[c->n_active++] = i;
+    }
   for (int s = 0; s < c->n_sides; s++) index_side(c, s, &c->side[s]);
 }
 
@@ -133,10 +146,14 @@ void lth_contact_apply(const LthContact *c, const double *v, double *y) {
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(lth_threads(c->ctx)) if (lth_contact_is_large(c->n_active))
   for (LitheIndex i = 0; i < c->n_active; i++) {
-    const LthTouch *touch = &c->touch[c->active[i]];
-    double value[3];
-    lth_touch_value(c, touch, value);
-    lth_m3_apply(touch->D, value, c->force_of + 3 * (size_t)i);
+    double value[3] = {0};
+    for (int s = 0; s < c->n_sides; s++) {
+      const LthContactSide *side = &c->side[s];
+      for (LitheCount k = side->active_off[i]; k < side->active_off[i + 1]; k++)
+        lth_v3_axpy(side->active_weight[k], side->sample_value + 4 * (size_t)side->active_sample[k],
+                    value);
+    }
+    lth_m3_apply(c->active_D + 9 * (size_t)i, value, c->force_of + 3 * (size_t)i);
   }
   for (int s = 0; s < c->n_sides; s++) scatter(c, &c->side[s], y + c->side[s].first_dof);
 }

@@ -10,17 +10,26 @@
 
 typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
 
-/// Fine rows that A P has in column J: neighbours of P's rows there, in the order of their discovery. `slot`
+/// Neighbours of a row that are not yet in the list.
+static LitheIndex add_row(const LthBlockMatrix *A, LitheIndex row, LitheIndex n, LitheIndex *slot,
+                          LitheIndex *list) {
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
+    if (slot[A->block_col[e]] < 0) {
+      slot[A->block_col[e]] = n;
+      list[n++] = A->block_col[e];
+    }
+  return n;
+}
+
+/// Fine rows that (A + touch) P has in column J: neighbours of P's rows there, in the order of their discovery. `slot`
 /// (n_rows) is -1 everywhere before and after; during the call it tells the place in `list`.
-static LitheIndex reach(const LthBlockMatrix *A, const LthTransfer *P, LitheIndex J,
-                        LitheIndex *slot, LitheIndex *list) {
+static LitheIndex reach(const LthLevel *fine, LitheIndex J, LitheIndex *slot, LitheIndex *list) {
+  const LthTransfer *P = fine->P;
   LitheIndex n = 0;
-  for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++)
-    for (LitheCount e = A->block_off[P->twin_row[t]]; e < A->block_off[P->twin_row[t] + 1]; e++)
-      if (slot[A->block_col[e]] < 0) {
-        slot[A->block_col[e]] = n;
-        list[n++] = A->block_col[e];
-      }
+  for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++) {
+    n = add_row(fine->A, P->twin_row[t], n, slot, list);
+    if (fine->touch) n = add_row(fine->touch, P->twin_row[t], n, slot, list);
+  }
   return n;
 }
 
@@ -79,8 +88,10 @@ void lth_ml_galerkin_free(LitheCtx *ctx, LthGalerkin *g) {
   g->product = NULL;
 }
 
-LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthBlockMatrix *A, const LthTransfer *P,
-                                   LthGalerkin *g, LthBlockMatrix **coarse) {
+LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthLevel *fine, LthGalerkin *g,
+                                   LthBlockMatrix **coarse) {
+  const LthBlockMatrix *A = fine->A;
+  const LthTransfer *P = fine->P;
   LitheStatus status = LITHE_OK;
   LitheIndex *slot = NULL, *list = NULL, *seen = NULL, *col = NULL, most = 0;
   LitheCount *off = NULL;
@@ -93,7 +104,7 @@ LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthBlockMatrix *A, const
   memset(seen, 0xff, sizeof *seen * (size_t)P->n_cols);
   for (int pass = 0; pass < 2; pass++) {
     for (LitheIndex J = 0; J < P->n_cols; J++) {
-      LitheIndex n = reach(A, P, J, slot, list);
+      LitheIndex n = reach(fine, J, slot, list);
       LitheIndex count = coarse_columns(P, J, n, list, seen, col ? col + off[J] : NULL);
       forget(n, list, slot);
       if (n > most) most = n;
@@ -163,24 +174,29 @@ static void add_outer(int m, int n, int nj, const double *restrict P, const doub
     for (int b = 0; b < nj; b++) C[a * nj + b] += sum[a][b];
 }
 
+/// The rows of a product with P, in the order of `slot`, take what row i of A^T = A gives them.
+static void multiply_row(const LthBlockMatrix *A, LitheIndex i, const double *Q,
+                         const LitheIndex *slot, LitheCount block, double *product) {
+  for (LitheCount e = A->block_off[i]; e < A->block_off[i + 1]; e++)
+    add_transposed(lth_ml_size(A, i), lth_ml_size(A, A->block_col[e]), A->values + A->value_off[e],
+                   Q, product + slot[A->block_col[e]] * block);
+}
+
 /// Column J of the coarse matrix, the blocks on and above the diagonal: first A P, then P^T of that.
 static void fill_column(const LthLevel *fine, LitheIndex J, LitheIndex *slot, LitheIndex *list,
                         double *product, LitheCount block, LthBlockMatrix *coarse) {
   const LthBlockMatrix *A = fine->A;
   const LthTransfer *P = fine->P;
   double Q[LTH_ML_ROW * WIDE];
-  const LitheIndex n = reach(A, P, J, slot, list);
+  const LitheIndex n = reach(fine, J, slot, list);
   const int nj = (int)(P->col_off[J + 1] - P->col_off[J]);
   memset(product, 0, sizeof *product * (size_t)(n * block));
   for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++) {
     const LitheIndex i = P->twin_row[t];
     const int m = lth_ml_size(A, i);
     pad(m, nj, P->values + P->value_off[P->twin[t]], Q);
-    for (LitheCount e = A->block_off[i]; e < A->block_off[i + 1]; e++)
-      add_transposed(m, lth_ml_size(A, A->block_col[e]), A->values + A->value_off[e], Q,
-                     product + slot[A->block_col[e]] * block);
-    if (fine->extra)
-      add_transposed(m, m, fine->extra + fine->extra_off[i], Q, product + slot[i] * block);
+    multiply_row(A, i, Q, slot, block, product);
+    if (fine->touch) multiply_row(fine->touch, i, Q, slot, block, product);
   }
   for (LitheIndex k = 0; k < n; k++)
     for (LitheCount e = P->block_off[list[k]]; e < P->block_off[list[k] + 1]; e++) {
@@ -229,33 +245,68 @@ void lth_ml_galerkin(const LthLevel *fine, const LthGalerkin *g, LthBlockMatrix 
   }
 }
 
-LitheStatus lth_ml_leading_create(LitheCtx *ctx, const LthBlockMatrix *A, const LitheIndex *lead,
-                                  LthBlockMatrix **coarse) {
+/// Columns of a row that A or touch has, ascending.
+static LitheIndex join_row(const LthLevel *fine, LitheIndex row, LitheIndex *col) {
+  const LthBlockMatrix *A = fine->A, *T = fine->touch;
+  LitheCount a = A->block_off[row], t = T ? T->block_off[row] : 0;
+  const LitheCount a_end = A->block_off[row + 1], t_end = T ? T->block_off[row + 1] : 0;
+  LitheIndex n = 0;
+  while (a < a_end || t < t_end) {
+    LitheIndex from_a = a < a_end ? A->block_col[a] : A->n_rows;
+    LitheIndex from_t = t < t_end ? T->block_col[t] : A->n_rows;
+    LitheIndex next = from_a < from_t ? from_a : from_t;
+    a += from_a == next;
+    t += from_t == next;
+    if (col) col[n] = next;
+    n++;
+  }
+  return n;
+}
+
+LitheStatus lth_ml_leading_create(LitheCtx *ctx, const LthLevel *fine, LthBlockMatrix **coarse) {
   LitheStatus status = LITHE_OK;
-  LitheCount *off = NULL;
-  *coarse = NULL;
-  LTH_NEW_OR(done, ctx, off, A->n_rows + 1);
-  for (LitheIndex i = 0; i < A->n_rows; i++) off[i + 1] = off[i] + lead[i];
-  LITHE_TRY_OR(done,
-               lth_block_matrix_create(ctx, A->n_rows, off, A->block_off, A->block_col, coarse));
+  const LitheIndex n = fine->A->n_rows;
+  LitheCount *off = NULL, *block_off = NULL;
+  LitheIndex *col = NULL;
+  LTH_NEW_OR(done, ctx, off, n + 1);
+  LTH_NEW_OR(done, ctx, block_off, n + 1);
+  for (LitheIndex i = 0; i < n; i++) {
+    off[i + 1] = off[i] + fine->lead[i];
+    block_off[i + 1] = block_off[i] + join_row(fine, i, NULL);
+  }
+  LTH_NEW_OR(done, ctx, col, block_off[n]);
+  for (LitheIndex i = 0; i < n; i++) join_row(fine, i, col + block_off[i]);
+  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, n, off, block_off, col, coarse));
 done:
   lth_free(ctx, off);
+  lth_free(ctx, block_off);
+  lth_free(ctx, col);
   return status;
 }
 
+/// to (m x n) += the leading rows and columns of a block with rows as long as `stride`.
+static void add_leading(int m, int n, int stride, const double *from, double *to) {
+  for (int r = 0; r < m; r++)
+    for (int c = 0; c < n; c++) to[r * n + c] += from[r * stride + c];
+}
+
+static void add_leading_row(const LthBlockMatrix *A, LitheIndex row, LthBlockMatrix *coarse) {
+  LitheCount at = coarse->block_off[row];
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+    const LitheIndex col = A->block_col[e];
+    while (coarse->block_col[at] != col) at++;
+    add_leading(lth_ml_size(coarse, row), lth_ml_size(coarse, col), lth_ml_size(A, col),
+                A->values + A->value_off[e], coarse->values + coarse->value_off[at]);
+  }
+}
+
 void lth_ml_leading(const LthLevel *fine, int threads, LthBlockMatrix *coarse) {
-  const LthBlockMatrix *A = fine->A;
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex row = 0; row < A->n_rows; row++)
-    for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
-      const int m = lth_ml_size(coarse, row), n = lth_ml_size(coarse, A->block_col[e]);
-      const int stride = lth_ml_size(A, A->block_col[e]);
-      const bool more = fine->extra && e == A->diagonal[row];
-      for (int r = 0; r < m; r++) {
-        double *to = coarse->values + coarse->value_off[e] + r * n;
-        memcpy(to, A->values + A->value_off[e] + r * stride, sizeof *to * (size_t)n);
-        for (int c = 0; more && c < n; c++)
-          to[c] += fine->extra[fine->extra_off[row] + r * stride + c];
-      }
-    }
+  for (LitheIndex row = 0; row < fine->A->n_rows; row++) {
+    const LitheCount first = coarse->value_off[coarse->block_off[row]],
+                     last = coarse->value_off[coarse->block_off[row + 1]];
+    memset(coarse->values + first, 0, sizeof *coarse->values * (size_t)(last - first));
+    add_leading_row(fine->A, row, coarse);
+    if (fine->touch) add_leading_row(fine->touch, row, coarse);
+  }
 }

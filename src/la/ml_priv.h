@@ -35,9 +35,10 @@ typedef struct LthLevel {
   const LthBlockMatrix *A;
   LthBlockMatrix *own; ///< A, but on the finest level
   LthBlockJacobi *jacobi;
-  int size;              ///< unknowns of a block row, 0 where they differ
-  const double *extra;   ///< added to the diagonal blocks of A, or NULL; borrowed
-  LitheCount *extra_off; ///< its blocks                                 (n_rows + 1)
+  const LthBlockMatrix *touch; ///< what the next level has beside A, or NULL
+  int size;                    ///< unknowns of a block row, 0 where they differ
+  const double *extra;         ///< added to the diagonal blocks of A, or NULL; borrowed
+  LitheCount *extra_off;       ///< its blocks                                 (n_rows + 1)
   LthColours colours;
   uint8_t *held;                        ///< unknowns without coupling                  (n)
   double *near;                         ///< rigid motions, row-major                   (n x 6)
@@ -66,7 +67,8 @@ struct LthMultilevel {
   int n_levels;
   int degree; ///< of the polynomial smoother; 0: sweeps
   LthLevel level[LTH_ML_LEVELS];
-  double *dense; ///< Cholesky factor of the coarsest level, row-major
+  LthOperator added; ///< to A, in residuals of the finest level instead of extra; apply NULL: none
+  double *dense;     ///< Cholesky factor of the coarsest level, row-major
   LthGalerkin galerkin;
   LitheCount bytes;
 };
@@ -131,17 +133,16 @@ void lth_ml_smooth_prolongator(LthLevel *fine, const LthGalerkin *g);
 
 // ml_galerkin.c
 
-/// An empty matrix with the pattern of P^T A P; makes scratch as large as this level needs.
-LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthBlockMatrix *A, const LthTransfer *P,
-                                   LthGalerkin *g, LthBlockMatrix **coarse);
+/// An empty matrix with the pattern of P^T (A + touch) P; makes scratch as large as this level needs.
+LitheStatus lth_ml_galerkin_create(LitheCtx *ctx, const LthLevel *fine, LthGalerkin *g,
+                                   LthBlockMatrix **coarse);
 void lth_ml_galerkin_free(LitheCtx *ctx, LthGalerkin *g);
 
-/// coarse = P^T (A + extra) P.
+/// coarse = P^T (A + touch) P.
 void lth_ml_galerkin(const LthLevel *fine, const LthGalerkin *g, LthBlockMatrix *coarse);
 
 /// The leading unknowns `lead` of every row (n_rows): pattern, and values.
-LitheStatus lth_ml_leading_create(LitheCtx *ctx, const LthBlockMatrix *A, const LitheIndex *lead,
-                                  LthBlockMatrix **coarse);
+LitheStatus lth_ml_leading_create(LitheCtx *ctx, const LthLevel *fine, LthBlockMatrix **coarse);
 void lth_ml_leading(const LthLevel *fine, int threads, LthBlockMatrix *coarse);
 
 // ml_dense.c

@@ -144,7 +144,7 @@ static LitheStatus coarsen(LitheCtx *ctx, LthMultilevel *M, LthLevel *l, bool fi
   bool leading = false;
   *coarse = NULL;
   if (first) LITHE_TRY(find_leading(ctx, l, M->def.n_linear, &leading));
-  if (leading) return lth_ml_leading_create(ctx, l->A, l->lead, coarse);
+  if (leading) return lth_ml_leading_create(ctx, l, coarse);
   if (l->A->n <= COARSE_UNKNOWNS) return LITHE_OK;
   LTH_NEW(ctx, l->aggregate, l->A->n_rows);
   LITHE_TRY(lth_ml_aggregate(ctx, l->A, M->def.least_rows, l->aggregate, &l->n_aggregates));
@@ -156,7 +156,7 @@ static LitheStatus coarsen(LitheCtx *ctx, LthMultilevel *M, LthLevel *l, bool fi
   for (int k = 0; k < LTH_ML_STEPS; k++)
     LITHE_TRY_OR(done, lth_ml_transfer_spread(ctx, l->A, l->stage[k], &l->stage[k + 1]));
   l->P = l->stage[LTH_ML_STEPS];
-  LITHE_TRY_OR(done, lth_ml_galerkin_create(ctx, l->A, l->P, &M->galerkin, coarse));
+  LITHE_TRY_OR(done, lth_ml_galerkin_create(ctx, l, &M->galerkin, coarse));
 done:
   lth_free(ctx, col_off);
   return status;
@@ -194,6 +194,7 @@ static LitheStatus build(LitheCtx *ctx, LthMultilevel *M) {
   LitheStatus status = LITHE_OK;
   const int threads = lth_threads(ctx);
   LITHE_TRY(open_level(ctx, l, A));
+  l->touch = M->def.touch;
   LTH_NEW(ctx, l->held, A->n);
   find_held(A, threads, l->held);
   if (M->def.near)
@@ -241,16 +242,42 @@ LitheStatus lth_multilevel_update(LitheCtx *ctx, LthMultilevel *M, const double 
   LthLevel *l = M->level;
   const int threads = lth_threads(ctx);
   if (position) rigid_motions(M->def.one, position, l->held, l->A->n, l->near);
-  LITHE_TRY(lth_multilevel_refresh(ctx, M, extra));
+  LITHE_TRY(lth_multilevel_refresh(ctx, M, NULL)); // the prolongation is that of A
   for (int k = 0; k + 1 < M->n_levels; k++, l++) {
     fill_next(M, threads, l, l + 1);
     LITHE_TRY(lth_block_jacobi_update(ctx, l[1].jacobi, l[1].A, NULL));
   }
+  if (extra) LITHE_TRY(lth_multilevel_refresh(ctx, M, extra));
   return factor_coarsest(ctx, M);
 }
 
 void lth_multilevel_strengthen(LthMultilevel *M) { M->degree = STRONG_DEGREE; }
 bool lth_multilevel_is_strong(const LthMultilevel *M) { return M->degree > 0; }
+
+void lth_multilevel_add(LthMultilevel *M, const LthOperator *C) {
+  M->added = C ? *C : (LthOperator){0};
+}
+
+/// y = from + extra x - C x on the finest level, in b's place; y may be from.
+static void correct(const LthMultilevel *M, int threads, const double *x, const double *from,
+                    double *y) {
+  const LthLevel *l = M->level;
+  double *sum = l->b; // free: the right-hand side of this level is the caller's
+#pragma omp parallel for schedule(static) num_threads(threads) if (lth_block_matrix_is_large(l->A))
+  for (LitheIndex row = 0; row < l->A->n_rows; row++) {
+    const LitheCount at = l->A->row_off[row];
+    const int m = lth_ml_size(l->A, row);
+    const double *B = l->extra ? l->extra + l->extra_off[row] : NULL;
+    for (int i = 0; i < m; i++) {
+      double t = 0;
+      for (int j = 0; B && j < m; j++) t -= B[i * m + j] * x[at + j];
+      sum[at + i] = t;
+    }
+  }
+  M->added.apply(M->added.self, threads, x, sum);
+#pragma omp parallel for schedule(static) num_threads(threads) if (lth_block_matrix_is_large(l->A))
+  for (LitheCount i = 0; i < l->A->n; i++) y[i] = from[i] - sum[i];
+}
 
 /// One V-cycle for A x = b from zero.
 static void cycle(const LthMultilevel *M, int depth, int threads, const double *b, double *x) {
@@ -264,7 +291,9 @@ static void cycle(const LthMultilevel *M, int depth, int threads, const double *
     smooth_up(M, l, threads, b, x);
     return;
   }
+  const bool corrects = depth == 0 && M->added.apply;
   smooth_down(M, l, threads, b, x);
+  if (corrects) correct(M, threads, x, l->r, l->r);
   if (l->P) {
     lth_ml_restrict(l->P, threads, l->r, next->b);
     cycle(M, depth + 1, threads, next->b, next->x);
@@ -278,7 +307,9 @@ static void cycle(const LthMultilevel *M, int depth, int threads, const double *
       for (LitheIndex i = 0; i < l->lead[row]; i++)
         x[l->A->row_off[row] + i] += next->x[next->A->row_off[row] + i];
   }
-  smooth_up(M, l, threads, b, x);
+  // a sweep for A + extra from x: what it takes for the residual has to be that of A + C
+  if (corrects) correct(M, threads, x, b, l->x);
+  smooth_up(M, l, threads, corrects ? l->x : b, x);
 }
 
 static void apply(const void *self, int threads, const double *r, double *z) {

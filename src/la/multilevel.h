@@ -10,6 +10,9 @@ typedef struct LthMultilevelDef {
   const double *near; ///< rigid motions by row, instead of `one` and `position`; not kept (n x 6)
   const double *position; ///< coefficients of the map x -> x, or of where bodies are; not kept (n)
   LitheIndex n_linear; ///< leading unknowns of a block row that span the linear functions; 0: all
+  const LthBlockMatrix
+      *touch; ///< what coarse levels know beside A: rows as A's, pattern and values of its own,
+              ///< borrowed for life; or NULL
   LitheIndex
       least_rows; ///< of an aggregate on the mean, where the strong couplings alone make smaller ones; 0: any
 } LthMultilevelDef;
@@ -23,13 +26,17 @@ void lth_multilevel_destroy(LitheCtx *ctx, LthMultilevel **M);
 
 /// Take over A's new values and new places (position may be NULL, as it must where `near` was given: as before): aggregates and patterns stay,
 /// nothing is allocated. `extra` (laid out as for lth_block_jacobi_update(), borrowed until the next update, or
-/// NULL) is added to the diagonal blocks of A. Held unknowns must be the same.
+/// NULL) is added to the diagonal blocks of A on the finest level. Held unknowns must be the same.
 LitheStatus lth_multilevel_update(LitheCtx *ctx, LthMultilevel *M, const double *position,
                                   const double *extra);
 
 /// The same for the finest level's diagonal blocks alone; coarser levels stay as they are, which costs iterations
 /// where A has changed much.
 LitheStatus lth_multilevel_refresh(LitheCtx *ctx, LthMultilevel *M, const double *extra);
+
+/// The matrix proper is A + C, and not A + extra, which must nowhere be below it: residuals of the finest level are those of A + C from
+/// now on. C.apply adds: y += C x; its `self` is borrowed. NULL: no more.
+void lth_multilevel_add(LthMultilevel *M, const LthOperator *C);
 
 /// Smooth by polynomials from now on, as lth_multilevel_solve() does by itself; and whether that is so.
 void lth_multilevel_strengthen(LthMultilevel *M);

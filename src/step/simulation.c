@@ -98,7 +98,8 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
                        s->scratch, s->held_force, s->mass,     s->extra,   s->cm,       s->ck,
                        s->start,   s->f_before,   s->row_mass, s->factor_x};
   lth_free(ctx, s->levels_x);
-  lth_free(ctx, s->levels_extra);
+  lth_free(ctx, s->touch_first);
+  lth_block_matrix_destroy(ctx, &s->touch);
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
   lth_free(ctx, s->rate);
   lth_stage_free(ctx, &s->stage);

@@ -78,8 +78,9 @@ struct LthSimulation {
   LthMultilevel *levels; // made when first needed
   double *levels_x;      // and from what state (n), time step and time; NULL before
   double levels_step, levels_t;
-  bool levels_touch;    // coarse levels know of contact:
-  double *levels_extra; // its part of the diagonal blocks then                            (n_extra)
+  bool levels_touch;      // coarse levels know of contact:
+  LthBlockMatrix *touch;  // it lumped to few blocks, as it was then; NULL: there was none yet
+  double *touch_first;    // its values when the levels were created
   LthLinearChoice solver; // decided for the present kind of solve, never auto
   bool static_chosen;     // what `auto` took for equilibria: PCG for this reason, or Cholesky
   const char *static_reason;
@@ -163,11 +164,26 @@ void lth_step_volume_push_change(const LthSimulation *s, double *f);
 /// Ordering and symbolic analysis of A, once.
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s);
 
-/// Make the multilevel preconditioner for A as it stands, of a step h.
+/// Make the multilevel preconditioner for A as it stands, of a step h, with the blocks of `touch`.
 LitheStatus lth_step_create_levels(LitheCtx *ctx, LthSimulation *s, double h);
 
-/// Take A and s->x over into all levels, contact's diagonal blocks, too.
+/// Take A, s->x and `touch` over into all levels, contact's diagonal blocks into the finest.
 LitheStatus lth_step_update_levels(LitheCtx *ctx, LthSimulation *s);
+
+/// Make levels ready for A, s->x and contact as they stand: created, or created anew where contact couples other blocks, or updated.
+LitheStatus lth_step_make_levels(LitheCtx *ctx, LthSimulation *s, double h);
+
+// step_touch.c
+
+/// Contact as it stands, lumped, into s->touch. `*fits`: its blocks are those of before.
+LitheStatus lth_step_lump_contact(LitheCtx *ctx, LthSimulation *s, bool *fits);
+
+/// Zero all of it.
+void lth_step_clear_touch(LthSimulation *s);
+LitheCount lth_step_touch_values(const LthSimulation *s); ///< how many it has
+
+/// Both sets of its values, and pattern, in an archive.
+void lth_step_touch_archive(LthSimulation *s, LthArchive *archive);
 
 /// Take A's and contact's present diagonal blocks into a preconditioner whose other parts may be older.
 LitheStatus lth_step_refresh(LitheCtx *ctx, LthSimulation *s);

@@ -73,33 +73,23 @@ static LitheStatus assemble_again(LitheCtx *ctx, LthSimulation *s, const double 
 /// The kept factor from the state it was made of: assembling and factoring give the same bits again.
 static LitheStatus make_factor_again(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(assemble_again(ctx, s, s->factor_x, s->factor_t, s->factor_step));
-  if (s->kept == LTH_LINEAR_MULTIGRID)
-    return lth_multilevel_update(ctx, s->levels, s->x, s->levels_touch ? s->levels_extra : NULL);
+  if (s->kept == LTH_LINEAR_MULTIGRID) return lth_multilevel_update(ctx, s->levels, s->x, NULL);
   LITHE_TRY(lth_step_analyse(ctx, s));
   return s->engine->factorize(ctx, s->factor, s->A);
-}
-
-/// Contact's diagonal blocks of rows that something touched when the coarse levels were made.
-static void walk_touch(LthSimulation *s, LthArchive *a) {
-  LitheCount at = 0;
-  LTH_ARCHIVE(a, s->levels_touch);
-  for (LitheIndex row = 0; row < s->A->n_rows && s->levels_touch && a->status == LITHE_OK; row++) {
-    LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row], last = at + m * m;
-    bool any = false;
-    for (LitheCount i = at; i < last; i++) any |= s->levels_extra[i] != 0;
-    LTH_ARCHIVE(a, any);
-    if (a->is_reading) memset(s->levels_extra + at, 0, sizeof *s->levels_extra * (size_t)(m * m));
-    double *block = s->levels_extra + at;
-    if (any) LTH_ARCHIVE_ARRAY(a, block, m * m);
-    at = last;
-  }
 }
 
 static void walk_factor(LthSimulation *s, LthArchive *a) {
   if (!s->has_lagged || s->stale) return;
   LTH_ARCHIVE_ARRAY(a, s->factor_x, s->n);
-  if (s->kept == LTH_LINEAR_MULTIGRID) walk_touch(s, a);
   if (a->is_reading && a->status == LITHE_OK) a->status = make_factor_again(a->ctx, s);
+}
+
+/// What contact was when the levels were created, in the place of what it was when they were last updated, and back.
+static void swap_touch(LthSimulation *s) {
+  if (!s->touch) return;
+  double *values = s->touch->values;
+  s->touch->values = s->touch_first;
+  s->touch_first = values;
 }
 
 /// Aggregates and patterns of the levels come from the state in which they were first made.
@@ -115,7 +105,10 @@ static void walk_levels(LthSimulation *s, LthArchive *a) {
     a->status = lth_new_(a->ctx, (void **)&s->levels_x, s->n, sizeof *s->levels_x);
   if (a->status != LITHE_OK) return;
   LTH_ARCHIVE_ARRAY(a, s->levels_x, s->n);
+  LTH_ARCHIVE(a, s->levels_touch);
+  lth_step_touch_archive(s, a);
   if (!a->is_reading || a->status != LITHE_OK) return;
+  swap_touch(s);
   const double t1 = s->stage.t1;
   a->status = assemble_again(a->ctx, s, s->levels_x, s->levels_t, s->levels_step);
   s->stage.t1 = s->levels_t;
@@ -123,6 +116,7 @@ static void walk_levels(LthSimulation *s, LthArchive *a) {
   if (a->status == LITHE_OK) a->status = lth_step_create_levels(a->ctx, s, s->levels_step);
   if (a->status == LITHE_OK && strong) lth_multilevel_strengthen(s->levels);
   s->stage.t1 = t1;
+  swap_touch(s);
 }
 
 /// What solvers keep is made again in s->x, which waits elsewhere.

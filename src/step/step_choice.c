@@ -227,9 +227,7 @@ static LitheStatus make(LitheCtx *ctx, LthSimulation *s, double h) {
   if (s->own) return lth_step_prepare_own(ctx, s);
   if (s->solver == LTH_LINEAR_CHOLESKY) return s->engine->factorize(ctx, s->factor, s->A);
   if (s->solver == LTH_LINEAR_PCG) return lth_block_jacobi_update(ctx, s->jacobi, s->A, NULL);
-  if (s->levels) return lth_step_update_levels(ctx, s);
-  LITHE_TRY(lth_step_create_levels(ctx, s, h));
-  return s->contact_on ? lth_step_update_levels(ctx, s) : LITHE_OK;
+  return lth_step_make_levels(ctx, s, h);
 }
 
 /// `auto` goes on with PCG, which may still find its way and says if not, where others meet a matrix that is

@@ -118,7 +118,8 @@ static void place_contacts(const LthSystem *s, const LthSystemContact *contacts)
           LitheCount m = 3 * (disc_of(s, b)->row_func[r + 1] - disc_of(s, b)->row_func[r]);
           block += m * m;
         }
-      lth_contact_place(s->contacts[c], side, s->dof_first[contacts[c].body[side]], block);
+      LitheIndex b = contacts[c].body[side];
+      lth_contact_place(s->contacts[c], side, s->row_first[b], s->dof_first[b], block);
     }
 }
 

@@ -76,8 +76,8 @@ static LthContact *touch(Fixture *f, int a, int b, double friction) {
   LthPairDef def = {.side = {side_of(f, a), side_of(f, b)}, .friction = friction};
   LthContact **c = &f->contact[f->n_contacts];
   CHECK_OK(f->ctx, lth_contact_create_pair(f->ctx, &def, c));
-  lth_contact_place(*c, 0, f->first[a], 0);
-  lth_contact_place(*c, 1, f->first[b], 0);
+  lth_contact_place(*c, 0, 0, f->first[a], 0);
+  lth_contact_place(*c, 1, 0, f->first[b], 0);
   f->of[f->n_contacts][0] = a, f->of[f->n_contacts][1] = b;
   f->n_contacts++;
   return *c;
@@ -228,7 +228,7 @@ static void forces_keep_both_momenta(void **state) {
     first_block[b] = n_extra;
     for (LitheIndex k = 0; k < f->block[b].space->n_cells; k++) n_extra += 144;
   }
-  for (int b = 0; b < 2; b++) lth_contact_place(c, b, f->first[b], first_block[b]);
+  for (int b = 0; b < 2; b++) lth_contact_place(c, b, 0, f->first[b], first_block[b]);
   double *extra = calloc((size_t)n_extra, sizeof *extra);
   lth_contact_add_diagonal(c, extra);
   for (LitheCount i = 0; i < n; i++)
@@ -369,7 +369,7 @@ static void excluded_points_do_not_touch(void **state) {
     def.side[b].excluded = excluded[b];
   }
   CHECK_OK(f->ctx, lth_contact_create_pair(f->ctx, &def, &f->contact[0]));
-  lth_contact_place(f->contact[0], 1, f->first[1], 0);
+  lth_contact_place(f->contact[0], 1, 0, f->first[1], 0);
   f->n_contacts = 1;
   double *u = zeros(f), *v = zeros(f);
   LitheIndex active;
