@@ -136,6 +136,13 @@ static LitheStatus find_leading(LitheCtx *ctx, LthLevel *l, LitheIndex n_linear,
   return LITHE_OK;
 }
 
+/// A row that hangs together with others by `touch` alone is an aggregate of its own: a body of one element.
+static void add_touched(LthLevel *l) {
+  for (LitheIndex row = 0; l->touch && row < l->A->n_rows; row++)
+    if (l->aggregate[row] < 0 && l->touch->block_off[row + 1] - l->touch->block_off[row] > 1)
+      l->aggregate[row] = l->n_aggregates++;
+}
+
 /// Patterns of the next level; *coarse is NULL where there is none.
 static LitheStatus coarsen(LitheCtx *ctx, LthMultilevel *M, LthLevel *l, bool first,
                            LthBlockMatrix **coarse) {
@@ -148,6 +155,7 @@ static LitheStatus coarsen(LitheCtx *ctx, LthMultilevel *M, LthLevel *l, bool fi
   if (l->A->n <= COARSE_UNKNOWNS) return LITHE_OK;
   LTH_NEW(ctx, l->aggregate, l->A->n_rows);
   LITHE_TRY(lth_ml_aggregate(ctx, l->A, M->def.least_rows, l->aggregate, &l->n_aggregates));
+  add_touched(l);
   LTH_NEW(ctx, col_off, l->n_aggregates + 1);
   LITHE_TRY_OR(done, lth_ml_tentative_create(ctx, l, col_off));
   LitheCount n = col_off[l->n_aggregates];

@@ -178,6 +178,9 @@ LitheStatus lth_step_make_levels(LitheCtx *ctx, LthSimulation *s, double h);
 /// Contact as it stands, lumped, into s->touch. `*fits`: its blocks are those of before.
 LitheStatus lth_step_lump_contact(LitheCtx *ctx, LthSimulation *s, bool *fits);
 
+/// True where contact as it stands is much stiffer than what the levels know of it, or couples other rows; uses scratch and extra.
+bool lth_step_outgrows_levels(LthSimulation *s);
+
 /// Zero all of it.
 void lth_step_clear_touch(LthSimulation *s);
 LitheCount lth_step_touch_values(const LthSimulation *s); ///< how many it has
@@ -185,7 +188,11 @@ LitheCount lth_step_touch_values(const LthSimulation *s); ///< how many it has
 /// Both sets of its values, and pattern, in an archive.
 void lth_step_touch_archive(LthSimulation *s, LthArchive *archive);
 
-/// Take A's and contact's present diagonal blocks into a preconditioner whose other parts may be older.
+/// A factor or levels of now: where they were made.
+void lth_step_date_factor(LthSimulation *s, double h);
+
+/// Take A's and contact's present diagonal blocks into a preconditioner whose other parts may be older; levels that are too soft for
+/// contact are made anew.
 LitheStatus lth_step_refresh(LitheCtx *ctx, LthSimulation *s);
 
 /// Factor or precondition A as it stands (a factor: without contact).

@@ -259,6 +259,12 @@ static bool lags(const LthSimulation *s) {
          (s->solver == LTH_LINEAR_CHOLESKY && s->options.linear == LTH_LINEAR_AUTO);
 }
 
+void lth_step_date_factor(LthSimulation *s, double h) {
+  s->factor_step = h;
+  s->factor_t = s->stage.t1;
+  memcpy(s->factor_x, s->x, sizeof *s->x * (size_t)s->n);
+}
+
 LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
   double start = lth_now();
   bool keep = lags(s) && !s->stale && s->factor_step == h;
@@ -267,9 +273,7 @@ LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
   if (status != LITHE_OK || keep) return status;
   s->stale = true;
   if (!lags(s)) return LITHE_OK;
-  s->factor_step = h;
-  s->factor_t = s->stage.t1;
-  memcpy(s->factor_x, s->x, sizeof *s->x * (size_t)s->n);
+  lth_step_date_factor(s, h);
   s->has_lagged = s->fresh = true;
   s->stale = false;
   s->age_cost = 0;

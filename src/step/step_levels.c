@@ -66,6 +66,11 @@ LitheStatus lth_step_make_levels(LitheCtx *ctx, LthSimulation *s, double h) {
 LitheStatus lth_step_refresh(LitheCtx *ctx, LthSimulation *s) {
   if (s->own) return LITHE_OK;
   if (s->solver == LTH_LINEAR_MULTIGRID) {
+    if (s->contact_on && lth_step_outgrows_levels(s)) {
+      LITHE_TRY(lth_step_make_levels(ctx, s, s->factor_step));
+      lth_step_date_factor(s, s->factor_step);
+      return LITHE_OK;
+    }
     add_contact(s);
     return lth_multilevel_refresh(ctx, s->levels, contact_part(s));
   }

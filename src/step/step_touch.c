@@ -164,6 +164,61 @@ LitheStatus lth_step_lump_contact(LitheCtx *ctx, LthSimulation *s, bool *fits) {
   return LITHE_OK;
 }
 
+// --- whether it will do ---
+
+#define OUTGROWN 1.25 // times as stiff as what the levels know
+
+/// Traces of the diagonal blocks that contact has now, and whether its pairs are in the pattern.
+typedef struct Weighing {
+  const LthBlockMatrix *touch;
+  double *trace; // (n_rows)
+  bool fits;
+} Weighing;
+
+static void weigh(void *self, int n_ends, const LthContactEnd *end, const double *D) {
+  Weighing *w = self;
+  const double stiffness = D[0] + D[4] + D[8];
+  for (int e = 0; e < n_ends; e++)
+    for (int j = 0; j < end[e].nb; j++)
+      w->trace[end[e].row] += stiffness * end[e].phi[j] * end[e].phi[j];
+  if (n_ends == 2 && w->fits)
+    w->fits = lth_block_matrix_find(w->touch, end[0].row, end[1].row) >= 0;
+}
+
+static double trace_of(const LthBlockMatrix *T, LitheIndex row) {
+  const LitheCount m = T->row_off[row + 1] - T->row_off[row];
+  const double *B = T->values + T->value_off[T->diagonal[row]];
+  double sum = 0;
+  for (LitheCount i = 0; i < m; i++) sum += B[i * (m + 1)];
+  return sum;
+}
+
+static void weigh_diagonals(LthSimulation *s, const LthContact *contact, double *trace) {
+  const double *block = s->extra;
+  memset(s->extra, 0, sizeof *s->extra * (size_t)s->n_extra);
+  lth_contact_add_diagonal(contact, s->extra);
+  for (LitheIndex row = 0; row < s->A->n_rows; row++) {
+    const LitheCount m = s->A->row_off[row + 1] - s->A->row_off[row];
+    for (LitheCount i = 0; i < m; i++) trace[row] += block[i * (m + 1)];
+    block += m * m;
+  }
+}
+
+// Levels that are softer than contact overshoot in the residuals that it makes; stiffer ones only take longer.
+bool lth_step_outgrows_levels(LthSimulation *s) {
+  const LthSystem *system = s->system;
+  Weighing w = {.touch = s->touch, .trace = s->scratch, .fits = true};
+  if (!s->touch) return true;
+  memset(w.trace, 0, sizeof *w.trace * (size_t)s->A->n_rows);
+  for (LitheIndex c = 0; c < system->n_contacts; c++)
+    if (!lth_contact_visit_lumps(system->contacts[c], false, weigh, &w))
+      weigh_diagonals(s, system->contacts[c], w.trace);
+  for (LitheIndex row = 0; row < s->A->n_rows && w.fits; row++)
+    w.fits = (system->row_held && system->row_held[row]) ||
+             w.trace[row] <= OUTGROWN * trace_of(s->touch, row);
+  return !w.fits;
+}
+
 // --- in an archive ---
 
 /// Blocks that are not zero.

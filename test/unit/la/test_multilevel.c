@@ -135,6 +135,103 @@ static void a_cycle_and_an_update_allocate_nothing(void **state) {
   test_body_free(&b);
 }
 
+/// Stiff springs between the first functions of rows of the lower and of the upper half: what a contact of two parts is.
+typedef struct Springs {
+  LthBlockMatrix *touch;
+  double *extra;
+} Springs;
+
+static Springs springs(const TestBody *b, double stiffness) {
+  const LitheIndex n = b->K->n_rows, half = n / 2;
+  Springs s = {0};
+  LitheCount *off = lth_alloc(b->ctx, n + 1, sizeof *off);
+  LitheIndex *col = lth_alloc(b->ctx, 2 * n, sizeof *col);
+  for (LitheIndex row = 0; row < n; row++) {
+    LitheIndex other = row < half ? row + half : row - half;
+    off[row + 1] = off[row] + 2;
+    col[off[row]] = row < other ? row : other;
+    col[off[row] + 1] = row < other ? other : row;
+  }
+  CHECK_OK(b->ctx, lth_block_matrix_create(b->ctx, n, b->K->row_off, off, col, &s.touch));
+  s.extra = lth_alloc(b->ctx, 144 * (LitheCount)n, sizeof *s.extra);
+  for (LitheIndex row = 0; row < n; row++)
+    for (LitheCount e = off[row]; e < off[row + 1]; e++)
+      for (int a = 0; a < 3; a++) {
+        s.touch->values[s.touch->value_off[e] + 13 * a] = col[e] == row ? stiffness : -stiffness;
+        s.extra[144 * (LitheCount)row + 13 * a] = 2 * stiffness;
+      }
+  lth_free(b->ctx, off);
+  lth_free(b->ctx, col);
+  return s;
+}
+
+static void add_springs(const void *self, int threads, const double *x, double *y) {
+  const Springs *s = self;
+  double *t = calloc((size_t)s->touch->n, sizeof *t);
+  lth_block_matrix_apply(s->touch, threads, x, t);
+  for (LitheCount i = 0; i < s->touch->n; i++) y[i] += t[i];
+  free(t);
+}
+
+typedef struct Joined {
+  const TestBody *b;
+  const Springs *s;
+} Joined;
+
+static void apply_joined(const void *self, int threads, const double *x, double *y) {
+  const Joined *j = self;
+  lth_block_matrix_apply(j->b->K, threads, x, y);
+  add_springs(j->s, threads, x, y);
+}
+
+/// Iterations with levels that know the springs, or their block diagonal alone on the finest.
+static LitheIndex solve_joined(TestBody *b, const Springs *s, bool knows, bool strong) {
+  double *one = ones(b), *z = lth_alloc(b->ctx, b->K->n, sizeof *z);
+  LthMultilevel *M = NULL;
+  LthCg *cg = NULL;
+  LthMultilevelDef def = {
+      .A = b->K, .one = one, .position = b->x0, .n_linear = 12, .touch = knows ? s->touch : NULL};
+  CHECK_OK(b->ctx, lth_multilevel_create(b->ctx, &def, &M));
+  if (strong) lth_multilevel_strengthen(M);
+  LthOperator C = {.n = b->K->n, .apply = add_springs, .self = s};
+  if (knows) lth_multilevel_add(M, &C);
+  CHECK_OK(b->ctx, lth_multilevel_update(b->ctx, M, NULL, s->extra));
+  LthOperator B = lth_multilevel_operator(M);
+  fill_random(b->K->n, 5, b->x);
+  fill_random(b->K->n, 6, b->f);
+  B.apply(B.self, 1, b->x, b->r);
+  B.apply(B.self, 1, b->f, z);
+  double xx = lth_dot(1, b->K->n, b->x, b->r), yy = lth_dot(1, b->K->n, b->f, z);
+  assert_true(xx > 0 && yy > 0);
+  CHECK_NEAR(lth_dot(1, b->K->n, b->f, b->r), lth_dot(1, b->K->n, b->x, z), 1e-11 * sqrt(xx * yy));
+  Joined joined = {b, s};
+  LthOperator A = {.n = b->K->n, .apply = apply_joined, .self = &joined};
+  CHECK_OK(b->ctx, lth_cg_create(b->ctx, b->K->n, &cg));
+  memset(b->x, 0, sizeof *b->x * (size_t)b->K->n);
+  LthSolveReport r = lth_cg_solve(cg, 1, &A, &B, b->f, b->x, 1e-8, 2000);
+  assert_true(r.converged);
+  lth_cg_destroy(b->ctx, &cg);
+  lth_multilevel_destroy(b->ctx, &M);
+  lth_free(b->ctx, one);
+  lth_free(b->ctx, z);
+  return r.iterations;
+}
+
+static void levels_that_know_what_is_added_take_a_fraction_of_the_iterations(void **state) {
+  (void)state;
+  TestBody b = cube(6, 1);
+  test_assemble(&b, 0);
+  Springs s = springs(&b, 1000 * 10 / 6.0);
+  for (int strong = 0; strong < 2; strong++) {
+    LitheIndex knows = solve_joined(&b, &s, true, strong == 1);
+    LitheIndex does_not = solve_joined(&b, &s, false, strong == 1);
+    CHECK_AT_MOST(3 * knows, does_not);
+  }
+  lth_block_matrix_destroy(b.ctx, &s.touch);
+  lth_free(b.ctx, s.extra);
+  test_body_free(&b);
+}
+
 // Block-Jacobi takes twice the iterations from each of these meshes to the next.
 static void iterations_do_not_grow_with_refinement(void **state) {
   (void)state;
@@ -233,6 +330,7 @@ int main(void) {
       cmocka_unit_test(polynomial_cycle_is_symmetric_and_definite),
       cmocka_unit_test(bits_do_not_depend_on_threads),
       cmocka_unit_test(a_cycle_and_an_update_allocate_nothing),
+      cmocka_unit_test(levels_that_know_what_is_added_take_a_fraction_of_the_iterations),
       cmocka_unit_test(iterations_do_not_grow_with_refinement),
       cmocka_unit_test(higher_and_mixed_degrees_converge_alike),
       cmocka_unit_test(nearly_incompressible_bodies_converge),

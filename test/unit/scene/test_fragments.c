@@ -24,6 +24,7 @@ typedef struct Cube {
   LthSimulation *sim;
   int cuts;
   double tolerance; ///< of solves, 0: as usual
+  LthLinearChoice linear;
 } Cube;
 
 static int setup(void **state) {
@@ -160,6 +161,7 @@ static void start(Cube *k, const double gravity[3], double friction, bool has_fl
   CHECK_OK(k->ctx, lth_system_create(k->ctx, &def, &k->system));
   LthStepOptions options = lth_step_options_default();
   if (k->tolerance > 0) options.tolerance = k->tolerance;
+  if (k->linear) options.linear = k->linear;
   CHECK_OK(k->ctx, lth_simulation_create(k->ctx, k->system, &options, &k->sim));
 }
 
@@ -327,12 +329,86 @@ static void sixty_four_fragments_rest_side_by_side(void **state) {
   assert_true(report->converged);
 }
 
+/// Sum of v phi D phi v over lumped touches.
+typedef struct Lumps {
+  const double *v;
+  const LitheIndex *row_func;
+  double energy;
+  int n, most_ends;
+} Lumps;
+
+static void add_lump(void *self, int n_ends, const LthContactEnd *end, const double *D) {
+  Lumps *l = self;
+  double w[3] = {0}, f[3];
+  for (int e = 0; e < n_ends; e++)
+    for (int j = 0; j < end[e].nb; j++)
+      lth_v3_axpy(end[e].phi[j], l->v + 3 * (l->row_func[end[e].row] + j), w);
+  lth_m3_apply(D, w, f);
+  l->energy += lth_v3_dot(w, f);
+  l->n++;
+  l->most_ends = n_ends > l->most_ends ? n_ends : l->most_ends;
+}
+
+/// Means over the elements at a corner have the values of a linear motion, and so does the element that a touch lies on.
+static void lumped_contact_is_contact_for_linear_motions(void **state) {
+  Cube *k = *state;
+  const double plane[4] = {0.6, 0, 0.8, 0.068};
+  begin(k, 3);
+  cut(k, plane[0], plane[1], plane[2], plane[3]);
+  start(k, none, 0.2, false, NULL, 0);
+  throw_half(k, plane, true, (double[]){-0.3, 0.1, -0.4});
+  step(k, 1, 1e-3);
+  const LitheCount n = k->system->n;
+  double *v = calloc((size_t)n, sizeof *v), *y = calloc((size_t)n, sizeof *y), energy = 0;
+  lth_dg_rest(k->body.space, y);
+  for (LitheCount i = 0; i < n; i += 3) {
+    LitheIndex c = 0;
+    while (3 * (LitheCount)k->body.space->func_off[c + 1] <= i) c++;
+    bool above = lth_v3_dot(plane, k->body.mesh->cell_centroid + 3 * c) > plane[3];
+    const double M[2][9] = {{1, 2, 0, 0, 3, 1, 4, 0, 1}, {0, 1, 1, 2, 0, 5, 1, 1, 2}};
+    lth_m3_apply(M[above], y + i, v + i);
+  }
+  memset(y, 0, sizeof *y * (size_t)n);
+  lth_contact_apply(k->contact, v, y);
+  for (LitheCount i = 0; i < n; i++) energy += v[i] * y[i];
+  Lumps l = {.v = v, .row_func = k->body.space->func_off};
+  assert_true(lth_contact_visit_lumps(k->contact, false, add_lump, &l));
+  assert_true(l.n > 20 && l.most_ends == 2 && energy > 0);
+  CHECK_NEAR(l.energy, energy, 1e-11 * energy);
+  free(v), free(y);
+}
+
+/// Conjugate gradients that know contact by block diagonals take several times the iterations.
+static void coarse_levels_know_how_fragments_touch(void **state) {
+  Cube *k = *state;
+  LitheIndex iterations[2];
+  for (int i = 0; i < 2; i++) {
+    k->linear = i == 0 ? LTH_LINEAR_PCG : LTH_LINEAR_MULTIGRID;
+    begin(k, 6);
+    for (int a = 0; a < 3; a++)
+      for (int j = 1; j < 3; j++) cut(k, a == 0, a == 1, a == 2, j * SIDE / 3);
+    start(k, down, 0.4, true, NULL, 5e-3);
+    assert_int_equal(k->body.n_parts, 27);
+    step(k, 3, 1 / 120.0);
+    iterations[i] = lth_simulation_report(k->sim)->linear_total;
+    assert_true(lth_simulation_report(k->sim)->converged);
+    if (i == 1) break;
+    take_down(k);
+    LitheCtx *ctx = k->ctx;
+    *k = (Cube){.ctx = ctx};
+  }
+  CHECK_AT_MOST(2.5 * iterations[1], iterations[0]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(a_fresh_cut_has_no_force_and_no_energy, setup, teardown),
       cmocka_unit_test_setup_teardown(halves_on_the_floor_stay_in_place, setup, teardown),
       cmocka_unit_test_setup_teardown(friction_holds_a_tilted_cut_below_its_angle, setup, teardown),
       cmocka_unit_test_setup_teardown(an_impact_of_two_halves_keeps_momentum, setup, teardown),
+      cmocka_unit_test_setup_teardown(lumped_contact_is_contact_for_linear_motions, setup,
+                                      teardown),
+      cmocka_unit_test_setup_teardown(coarse_levels_know_how_fragments_touch, setup, teardown),
       cmocka_unit_test_setup_teardown(sixty_four_fragments_rest_side_by_side, setup, teardown),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
