@@ -211,6 +211,23 @@ void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCo
   apply_any_row(A, row, skip, x, y);
 }
 
+double lth_block_matrix_rounding(const LthBlockMatrix *A, const double *x, const double *b) {
+  double sum = 0;
+  for (LitheIndex row = 0; row < A->n_rows; row++) {
+    LitheIndex m = block_size(A, row);
+    for (LitheIndex r = 0; r < m; r++) {
+      double size = fabs(b[A->row_off[row] + r]);
+      for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+        LitheIndex col = A->block_col[e], n = block_size(A, col);
+        const double *B = A->values + A->value_off[e] + (LitheCount)r * n;
+        for (LitheIndex c = 0; c < n; c++) size += fabs(B[c] * x[A->row_off[col] + c]);
+      }
+      sum += size * size;
+    }
+  }
+  return 0x1p-53 * sqrt(sum);
+}
+
 static void apply_operator(const void *self, int threads, const double *x, double *y) {
   lth_block_matrix_apply(self, threads, x, y);
 }

@@ -36,6 +36,10 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
 /// y = A x on `threads` threads; the same bits for any number of them.
 void lth_block_matrix_apply(const LthBlockMatrix *A, int threads, const double *x, double *y);
 
+/// Rounding of a product A x beside b: |(|A| |x| + |b|)| times the unit of rounding. A residual of a few times that is
+/// the best that a solution in double precision has.
+double lth_block_matrix_rounding(const LthBlockMatrix *A, const double *x, const double *b);
+
 /// The entries of y = A x in one block row alone; block `skip` (-1: none) counts as zero.
 void lth_block_matrix_apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                                 const double *x, double *y);

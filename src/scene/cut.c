@@ -1,17 +1,9 @@
 /// Cuts of a scene: when they are due, the slivers that they leave, and what is told of them.
 #include "scene/cut_priv.h"
 
-#include "base/order.h"
-
 #include <math.h>
-#include <stdlib.h>
 
 #define ROUNDING 1e-9 ///< of a time: two that differ by less are the same
-
-/// Crumbs that hang on nothing are taken away below this share of the body's volume, or thinner than this share of its
-/// size: their corners are off by rounding, and integrals over them need its fourth power.
-#define CRUMB_VOLUME 1e-12
-#define CRUMB_THICKNESS 1e-9
 
 static LthChangeNote note_of(const LthWorld *world, LitheIndex i, LitheIndex b) {
   static const LthChangeKind kinds[] = {LTH_CHANGE_PLANE, LTH_CHANGE_BLADE, LTH_CHANGE_CARVE};
@@ -19,30 +11,6 @@ static LthChangeNote note_of(const LthWorld *world, LitheIndex i, LitheIndex b) 
                          .t = world->sim ? lth_simulation_time(world->sim) : 0,
                          .body = b,
                          .cut = i};
-}
-
-static bool is_crumb(const LthTopology *t, LitheIndex cell) {
-  const LthTopologyCell *c = t->cells + cell;
-  const LitheIndex *faces = lth_topology_cell_faces(t, cell);
-  if (!c->is_live) return false;
-  for (LitheIndex i = 0; i < c->n_faces; i++)
-    if (t->faces[faces[i]].cell[1] >= 0) return false;
-  return c->volume < CRUMB_VOLUME * t->volume ||
-         c->volume < CRUMB_THICKNESS * cbrt(t->volume) * c->area;
-}
-
-/// Take away the crumbs that a cut has made.
-static LitheStatus sweep(LitheCtx *ctx, LthCutting *c) {
-  LthTopology *t = c->t;
-  LitheIndex *crumbs = NULL, n = 0;
-  LTH_NEW(ctx, crumbs, t->log.n_births);
-  for (LitheIndex i = 0; i < t->log.n_births; i++)
-    if (is_crumb(t, t->log.births[i].cell)) crumbs[n++] = t->log.births[i].cell;
-  n = lth_sort_unique(crumbs, n); // merged cells have a birth from each parent
-  LitheStatus status = n > 0 ? lth_topology_remove(ctx, t, n, crumbs) : LITHE_OK;
-  c->note->n_removed += n;
-  lth_free(ctx, crumbs);
-  return status;
 }
 
 /// One cut of one body.
@@ -64,7 +32,6 @@ static LitheStatus cut_body(LitheCtx *ctx, LthWorld *world, LitheIndex i, LitheI
   if (note.n_split + note.n_separated + note.n_removed == 0) return LITHE_OK;
   *any = true;
   LITHE_TRY(lth_body_count_cut(ctx, body, note.n_removed > 0));
-  LITHE_TRY(sweep(ctx, &c));
   return lth_world_note(ctx, world, &note);
 }
 
@@ -83,7 +50,7 @@ static LitheStatus make_cut(LitheCtx *ctx, LthWorld *world, LitheIndex i) {
   return lth_world_note(ctx, world, &note);
 }
 
-// --- slivers ---
+// --- slivers and crumbs ---
 
 /// What counts as a whole element of a level: each division halves it, or makes an eighth of it.
 static double whole_volume(const LthBody *body, int level) {
@@ -124,24 +91,27 @@ done:
   return status;
 }
 
-/// Merge what a body's cuts left below the volume that its mesh asks for; counted in its last note.
-static LitheStatus merge_slivers(LitheCtx *ctx, LthWorld *world, LitheIndex b) {
+/// Take away crumbs and merge what a body's cuts left below the volume that its mesh asks for; counted in its last note.
+static LitheStatus clear_up(LitheCtx *ctx, LthWorld *world, LitheIndex b) {
   LthBody *body = world->bodies[b];
-  LitheIndex n_merged = 0;
+  LitheIndex n_merged = 0, n_removed = 0;
   int n_levels = body->scene->adapt_h.is_on ? body->scene->adapt_h.limit + 1 : 1;
+  LITHE_TRY(lth_cut_sweep(ctx, body, &n_removed));
+  LITHE_TRY(lth_cut_merge_thin(ctx, body, &n_merged));
   for (int level = 0; level < n_levels; level++)
     LITHE_TRY(merge_level(ctx, body, level, &n_merged));
-  for (LitheIndex i = world->n_notes; i-- > world->n_settled && n_merged > 0;)
+  for (LitheIndex i = world->n_notes; i-- > world->n_settled && n_merged + n_removed > 0;)
     if (world->notes[i].body == b) {
       world->notes[i].n_merged += n_merged;
+      world->notes[i].n_removed += n_removed;
       break;
     }
   return LITHE_OK;
 }
 
-static LitheStatus merge_all(LitheCtx *ctx, LthWorld *world) {
+static LitheStatus clear_up_all(LitheCtx *ctx, LthWorld *world) {
   for (LitheIndex b = 0; b < world->n_bodies; b++)
-    if (lth_body_has_changed(world->bodies[b])) LITHE_TRY(merge_slivers(ctx, world, b));
+    if (lth_body_has_changed(world->bodies[b])) LITHE_TRY(clear_up(ctx, world, b));
   return LITHE_OK;
 }
 
@@ -171,7 +141,7 @@ LitheStatus lth_world_cut_first(LitheCtx *ctx, LthWorld *world) {
         LITHE_TRY(lth_body_change_begin(ctx, world->bodies[b]));
   for (LitheIndex i = 0; i < scene->n_cuts; i++)
     if (is_first(scene, scene->cuts + i)) LITHE_TRY(make_cut(ctx, world, i));
-  LITHE_TRY(merge_all(ctx, world));
+  LITHE_TRY(clear_up_all(ctx, world));
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     if (lth_body_has_changed(world->bodies[b]))
       LITHE_TRY(lth_body_change_mesh(ctx, world->bodies[b]));
@@ -185,7 +155,7 @@ LitheStatus lth_world_cut_due(LitheCtx *ctx, LthWorld *world, double end, bool *
   for (LitheIndex i = 0; i < scene->n_cuts; i++)
     if (!world->cut_done[i] && scene->cuts[i].at < end - ROUNDING * scene->duration)
       LITHE_TRY(make_cut(ctx, world, i));
-  LITHE_TRY(merge_all(ctx, world));
+  LITHE_TRY(clear_up_all(ctx, world));
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     *changed = *changed || lth_body_has_changed(world->bodies[b]);
   return *changed ? lth_world_renew(ctx, world) : lth_world_settle_notes(ctx, world);

@@ -3,6 +3,7 @@
 ///   cut_cells.c  cells near a plane, places of the moment, windows in planes, parts of cells
 ///   cut_plane.c  plane cuts and blades
 ///   cut_carve.c  cuts by another solid
+///   cut_crumbs.c pieces that are taken away
 #pragma once
 
 #include "mesh/topology_section.h"
@@ -57,5 +58,9 @@ LitheStatus lth_cut_merge_roots(LitheCtx *ctx, LthCutting *c, LthCutRoots *roots
 
 LitheStatus lth_cut_by_plane(LitheCtx *ctx, LthCutting *c);
 LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c);
+/// Take away crumbs that changes since the log began have left.
+LitheStatus lth_cut_sweep(LitheCtx *ctx, LthBody *body, LitheIndex *n_removed);
+/// Merge elements that are as thin as crumbs with neighbours.
+LitheStatus lth_cut_merge_thin(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged);
 /// LITHE_BAD_INPUT: nothing is left of the body.
 LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c);

@@ -144,6 +144,7 @@ static int run_body(void) {
   LthWorld *world = NULL;
   write_scene(&text);
   Reading r = read_with(text.at, 0, NULL);
+  lth_set_threads(r.ctx, 1); // small systems, of which contact needs many products
   if (r.status == LITHE_OK) r.status = lth_world_create(r.ctx, r.scene, times, &world);
   for (int i = 0; i < CUTS && r.status == LITHE_OK; i++) {
     bool changed;
