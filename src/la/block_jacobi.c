@@ -108,7 +108,8 @@ LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthB
     if (M->failed[row])
       LITHE_FAIL(ctx, LITHE_NOT_CONVERGED,
                  "the diagonal block of element %d is not positive definite: the matrix is not; "
-                 "raise the penalty or constrain the body",
+                 "raise the penalty, constrain the body, or let thin elements be merged "
+                 "(method.sliver)",
                  (int)row);
   return LITHE_OK;
 }

@@ -189,10 +189,9 @@ static void smooth_up(const LthMultilevel *M, const LthLevel *l, int threads, co
 static LitheStatus factor_coarsest(LitheCtx *ctx, LthMultilevel *M) {
   const LthBlockMatrix *A = M->level[M->n_levels - 1].A;
   if (M->dense && !lth_ml_dense_factor(A, M->dense))
-    LITHE_FAIL(
-        ctx, LITHE_NOT_CONVERGED,
-        "multilevel preconditioner: the matrix is not positive definite; raise the penalty or "
-        "constrain the body");
+    LITHE_FAIL(ctx, LITHE_NOT_CONVERGED,
+               "multilevel preconditioner: the matrix is not positive definite; raise the penalty, "
+               "constrain the body, or let thin elements be merged (method.sliver)");
   return LITHE_OK;
 }
 

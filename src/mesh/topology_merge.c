@@ -1,9 +1,10 @@
 /// Merging two cells, and slivers into their neighbours.
 #include "mesh/topology_priv.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-/// A common face below this share of a sliver's area is a line or a point.
+/// A common face below this share of the smaller cell's area is a line or a point.
 #define NO_CONTACT 1e-12
 
 /// Area of the common faces.
@@ -32,8 +33,9 @@ static bool is_parted(const LthTopology *t, LitheIndex a, LitheIndex b) {
 }
 
 bool lth_topology_may_merge(const LthTopology *t, LitheIndex a, LitheIndex b) {
-  return a != b && t->cells[a].is_live && t->cells[b].is_live && contact(t, a, b) > 0 &&
-         !is_parted(t, a, b);
+  if (a == b || !t->cells[a].is_live || !t->cells[b].is_live) return false;
+  double least = NO_CONTACT * fmin(t->cells[a].area, t->cells[b].area);
+  return contact(t, a, b) > least && !is_parted(t, a, b);
 }
 
 static LitheStatus move_faces(LitheCtx *ctx, LthTopology *t, LitheIndex from, LitheIndex other,

@@ -96,8 +96,7 @@ static LitheStatus clear_up(LitheCtx *ctx, LthWorld *world, LitheIndex b) {
   LthBody *body = world->bodies[b];
   LitheIndex n_merged = 0, n_removed = 0;
   int n_levels = body->scene->adapt_h.is_on ? body->scene->adapt_h.limit + 1 : 1;
-  LITHE_TRY(lth_cut_sweep(ctx, body, &n_removed));
-  LITHE_TRY(lth_cut_merge_thin(ctx, body, &n_merged));
+  LITHE_TRY(lth_cut_clear_crumbs(ctx, body, &n_merged, &n_removed));
   for (int level = 0; level < n_levels; level++)
     LITHE_TRY(merge_level(ctx, body, level, &n_merged));
   for (LitheIndex i = world->n_notes; i-- > world->n_settled && n_merged + n_removed > 0;)

@@ -9,11 +9,11 @@
 #define CRUMB_VOLUME 1e-12
 #define CRUMB_THICKNESS 1e-9
 
-/// Or thinner than this share of the way of a wave in a time step: the inertia of the piece is rounding of its stiffness
-/// over the step then, and no method finds the matrix definite.
+/// Or thinner than this share of the way of a wave in a time step, for degree 1 (gradients grow with k (k + 1)): the inertia of
+/// the piece is rounding of its stiffness over the step then, and no method finds the matrix definite.
 #define CRUMB_WAVE 1e-8
 /// That is no reason to take away what is thicker than this share of the body.
-#define CRUMB_WAVE_THICKNESS 1e-6
+#define CRUMB_WAVE_THICKNESS 1e-5
 
 enum { UNSEEN, HERE, STAYS, GOES };
 
@@ -40,14 +40,24 @@ static double wave_speed(const LthBody *body, const double at[3]) {
   return most;
 }
 
+/// Records that are new have the degree of what they were parts of.
+static int degree_of(const LthBody *body, LitheIndex cell) {
+  LitheIndex before = lth_topology_before(body->change->topology, cell);
+  return before >= 0 && body->change->degree[before] > 0 ? body->change->degree[before]
+                                                         : LTH_DG_MAX_DEGREE;
+}
+
 static bool is_thin(const LthBody *body, LitheIndex cell) {
   const LthTopology *t = body->change->topology;
   const LthTopologyCell *c = t->cells + cell;
   const LthScene *scene = body->scene;
   double size = cbrt(t->volume), least = CRUMB_THICKNESS * size;
   if (!(c->volume < CRUMB_WAVE_THICKNESS * size * c->area)) return false;
-  if (scene->time_kind == LTH_TIME_DYNAMIC)
-    least = fmax(least, CRUMB_WAVE * scene->step * wave_speed(body, c->centroid));
+  if (scene->time_kind == LTH_TIME_DYNAMIC) {
+    int k = degree_of(body, cell);
+    double way = scene->step * wave_speed(body, c->centroid);
+    least = fmax(least, fmin(CRUMB_WAVE * k * (k + 1) / 2 * way, CRUMB_WAVE_THICKNESS * size));
+  }
   return c->volume < least * c->area;
 }
 
@@ -112,7 +122,8 @@ static LitheStatus part_crumbs(LitheCtx *ctx, LthTopology *t, const Sweep *s, Li
   return LITHE_OK;
 }
 
-LitheStatus lth_cut_merge_thin(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged) {
+/// Merge thin elements once; two that became one may be thin still.
+static LitheStatus merge_round(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged) {
   LthTopology *t = body->change->topology;
   LitheIndex *thin = NULL, n = 0;
   double most = 0;
@@ -132,11 +143,10 @@ LitheStatus lth_cut_merge_thin(LitheCtx *ctx, LthBody *body, LitheIndex *n_merge
   return status;
 }
 
-LitheStatus lth_cut_sweep(LitheCtx *ctx, LthBody *body, LitheIndex *n_removed) {
+static LitheStatus sweep(LitheCtx *ctx, LthBody *body, LitheIndex *n_removed) {
   LthTopology *t = body->change->topology;
   Sweep s = {.body = body, .t = t};
   LitheStatus status = LITHE_OK;
-  *n_removed = 0;
   LTH_NEW_OR(done, ctx, s.seen, t->n_cells);
   LTH_NEW_OR(done, ctx, s.piece, t->n_cells);
   LTH_NEW_OR(done, ctx, s.gone, t->n_cells);
@@ -144,10 +154,22 @@ LitheStatus lth_cut_sweep(LitheCtx *ctx, LthBody *body, LitheIndex *n_removed) {
   if (s.n_gone == 0 || s.n_gone == t->n_live_cells) goto done;
   LITHE_TRY_OR(done, part_crumbs(ctx, t, &s, LTH_TAG_CUT - (body->change->n_cuts - 1)));
   LITHE_TRY_OR(done, lth_topology_remove(ctx, t, s.n_gone, s.gone));
-  *n_removed = s.n_gone;
+  *n_removed += s.n_gone;
 done:
   lth_free(ctx, s.seen);
   lth_free(ctx, s.piece);
   lth_free(ctx, s.gone);
   return status;
+}
+
+// What was merged may keep others from being merged with it, for it has both sides of a cut then.
+LitheStatus lth_cut_clear_crumbs(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged,
+                                 LitheIndex *n_removed) {
+  LitheIndex n;
+  LITHE_TRY(sweep(ctx, body, n_removed));
+  do {
+    LITHE_TRY(merge_round(ctx, body, &n));
+    *n_merged += n;
+  } while (n > 0);
+  return sweep(ctx, body, n_removed);
 }

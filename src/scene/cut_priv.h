@@ -58,9 +58,9 @@ LitheStatus lth_cut_merge_roots(LitheCtx *ctx, LthCutting *c, LthCutRoots *roots
 
 LitheStatus lth_cut_by_plane(LitheCtx *ctx, LthCutting *c);
 LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c);
-/// Take away crumbs that changes since the log began have left.
-LitheStatus lth_cut_sweep(LitheCtx *ctx, LthBody *body, LitheIndex *n_removed);
-/// Merge elements that are as thin as crumbs with neighbours.
-LitheStatus lth_cut_merge_thin(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged);
+/// Take away crumbs that changes since the log began have left, and merge elements that are as thin. What was merged and taken
+/// away is added to `*n_merged` and `*n_removed`.
+LitheStatus lth_cut_clear_crumbs(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged,
+                                 LitheIndex *n_removed);
 /// LITHE_BAD_INPUT: nothing is left of the body.
 LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c);

@@ -35,9 +35,9 @@ static LitheStatus find_atoms(LitheCtx *ctx, const LthBody *body, const LitheInd
   for (LitheIndex i = 0; i < body->mesh->n_cells; i++) place[cell_record[i]] = i;
   for (LitheIndex i = 0; i < atoms->n_cells; i++) {
     LitheIndex before = lth_topology_before(t, record[i]), now = lth_topology_now(t, record[i]);
-    LITHE_ASSERT(before >= 0 && now >= 0); // merges come after lth_body_change_hold()
+    LITHE_ASSERT(before >= 0); // merges come after lth_body_change_hold()
     r->from_cell[i] = c->record_cell[before];
-    r->to_cell[i] = place[now];
+    r->to_cell[i] = now >= 0 ? place[now] : -1;
   }
   lth_free(ctx, place);
   return LITHE_OK;
@@ -61,6 +61,7 @@ static LitheStatus inherit_material(LitheCtx *ctx, LthBody *body, const LthRenew
   LTH_NEW_OR(done, ctx, largest, n);
   for (LitheIndex i = 0; i < atoms->n_cells; i++) {
     LitheIndex from = r->from_cell[i], to = r->to_cell[i];
+    if (to < 0) continue;
     double v = atoms->cell_volume[i], share = volume[to] > 0 ? v / (volume[to] + v) : 1;
     volume[to] += v;
     body->young[to] += share * (r->old.young[from] - body->young[to]);

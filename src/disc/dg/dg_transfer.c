@@ -132,9 +132,11 @@ LitheStatus lth_dg_transfer(LitheCtx *ctx, const LthDgTransfer *t, const double 
   LitheIndex *off = NULL, *atom = NULL, n = t->atoms->n_cells, n_cells = t->to->n_cells;
   LTH_NEW_OR(done, ctx, off, (LitheCount)n_cells + 2);
   LTH_NEW_OR(done, ctx, atom, n);
-  for (LitheIndex i = 0; i < n; i++) off[t->to_cell[i] + 2]++;
+  for (LitheIndex i = 0; i < n; i++)
+    if (t->to_cell[i] >= 0) off[t->to_cell[i] + 2]++;
   for (LitheIndex c = 0; c < n_cells; c++) off[c + 2] += off[c + 1];
-  for (LitheIndex i = 0; i < n; i++) atom[off[t->to_cell[i] + 1]++] = i;
+  for (LitheIndex i = 0; i < n; i++)
+    if (t->to_cell[i] >= 0) atom[off[t->to_cell[i] + 1]++] = i;
   for (LitheIndex c = 0; c < n_cells; c++)
     LITHE_TRY_OR(done, transfer_cell(ctx, t, c, atom + off[c], off[c + 1] - off[c], coef, out));
 done:

@@ -16,7 +16,7 @@ typedef struct LthDgTransfer {
   const LthDgSpace *from, *to;
   const LthMesh *atoms;
   const LitheIndex *from_cell; ///< old cell of an atom                     (atoms->n_cells)
-  const LitheIndex *to_cell;   ///< new cell of an atom; those of a new cell fill it
+  const LitheIndex *to_cell;   ///< new cell of an atom, -1: taken away; those of a new cell fill it
 } LthDgTransfer;
 
 /// Transfer a field: coefficients `coef` of the old space to `out` of the new. A new cell with one atom whose degree is

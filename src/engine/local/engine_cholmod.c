@@ -34,8 +34,8 @@ static LitheStatus failure(LitheCtx *ctx, const LthFactor *f, const char *phase)
                "the matrix is too large for the sparse Cholesky; use multigrid");
   case CHOLMOD_NOT_POSDEF:
     LITHE_FAIL(ctx, LITHE_NOT_CONVERGED,
-               "the matrix is not positive definite (pivot %lld of %lld): raise the penalty or "
-               "constrain the body",
+               "the matrix is not positive definite (pivot %lld of %lld): raise the penalty, "
+               "constrain the body, or let thin elements be merged (method.sliver)",
                (long long)(f->L ? f->L->minor : 0), (long long)(f->L ? f->L->n : 0));
   default:
     LITHE_FAIL(ctx, LITHE_BAD_INPUT, "CHOLMOD's status is %d (%s)", f->common.status, phase);
