@@ -31,6 +31,7 @@ LitheStatus lth_body_lose(LitheCtx *ctx, const LthBody *body, const char *place,
   LthBodyChange *c = body->change;
   *is_loss = c && c->is_running;
   if (!*is_loss) return LITHE_OK;
+  char name[80]; // not the place: a run that goes on names its file otherwise
   LthLoss loss = entry_at(body, place);
   loss.t = body->sim ? lth_simulation_time(body->sim) : 0;
   for (LitheIndex i = 0; i < c->n_losses; i++)
@@ -40,7 +41,7 @@ LitheStatus lth_body_lose(LitheCtx *ctx, const LthBody *body, const char *place,
   lth_warn(ctx,
            "%s: nothing of what it selects is left of the body `%s` at %g s; from now on it acts "
            "on nothing",
-           place, body->def->name, loss.t);
+           lth_loss_name(body, &loss, name, sizeof name), body->def->name, loss.t);
   return LITHE_OK;
 }
 
