@@ -67,4 +67,19 @@ with folder() as home:
         expect(study["name"] + "_has_its_drawings",
                section["tags"].count("figure") == len(study["plots"]) + len(study["pictures"]) or
                "gnuplot is not there" in section["text"], section["tags"])
+
+    for study in studies:
+        for name in study["plots"]:
+            script = open(os.path.join(home, "st", study["name"], name + ".gp")).read()
+            labels = re.findall(r'^set [xy]label "(.*)"$', script, re.M)
+            expect("%s_%s_has_axes_with_units" % (study["name"], name), len(labels) == 2 and all(re.search(r"\[.+\]", l) for l in labels), labels)
+            styles = re.findall(r"linespoints (pt \d+) ps [.\d]+ lw [.\d]+ (dt \d)", script)
+            expect("%s_%s_is_read_without_colour" % (study["name"], name), len(styles) == len(set(styles)), styles)
+
+# the page of the released state
+docs = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../docs/studies")
+if os.path.exists(docs):
+    page = Page(open(os.path.join(docs, "all.html")).read())
+    expect("docs_have_the_page_of_all_studies", list(page.sections) == NAMES and not page.fetches, (list(page.sections), page.fetches))
+    expect("on_which_every_verdict_holds", "DOES NOT HOLD" not in str(page.sections) and "STOPPED" not in str(page.sections))
 done()
