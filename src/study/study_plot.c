@@ -73,22 +73,37 @@ static void put_order_line(FILE *out, const LthPlot *plot, int i) {
           styles[i % N_STYLES].colour);
 }
 
-/// Tics at the values themselves, on an axis a little longer than they are; not where one would be written over another.
-static void put_log_tics(FILE *out, const LthSeries *s) {
-  double low = INFINITY, high = 0, before = NAN;
-  if (s->last - s->first > 16) return;
-  for (int row = s->first; row < s->last; row++) {
-    low = fmin(low, lth_table_at(s->table, row, s->x));
-    high = fmax(high, lth_table_at(s->table, row, s->x));
+/// An axis a little longer than all values are.
+static void put_range(FILE *out, const LthPlot *plot) {
+  double low = INFINITY, high = 0;
+  for (int i = 0; i < plot->n_series; i++) {
+    const LthSeries *s = plot->series + i;
+    for (int row = s->first; row < s->last; row++) {
+      low = fmin(low, lth_table_at(s->table, row, s->x));
+      high = fmax(high, lth_table_at(s->table, row, s->x));
+    }
   }
+  if (low < high) fprintf(out, "set xrange [%.10g:%.10g]\n", low / 1.15, high * 1.15);
+}
+
+/// Tics at the first series' values themselves; not where one would be written over another, nor where series have values of
+/// their own.
+static void put_log_tics(FILE *out, const LthPlot *plot) {
+  const LthSeries *s = plot->series;
+  double before = NAN, span;
+  put_range(out, plot);
+  if (s->last - s->first > 16 || s->last <= s->first || plot->orders == LTH_PLOT_ORDERS_BESIDE)
+    return;
+  span =
+      fabs(log(lth_table_at(s->table, s->last - 1, s->x) / lth_table_at(s->table, s->first, s->x)));
   fputs("set xtics (", out);
   for (int row = s->first; row < s->last; row++) {
     double x = lth_table_at(s->table, row, s->x);
-    if (fabs(log(x / before)) < 0.07 * log(high / low)) continue;
+    if (fabs(log(x / before)) < 0.07 * span) continue;
     fprintf(out, "%s\"%.4g\" %.10g", isnan(before) ? "" : ", ", x, x);
     before = x;
   }
-  fprintf(out, ")\nset xrange [%.10g:%.10g]\n", low / 1.15, high * 1.15);
+  fputs(")\n", out);
 }
 
 static void put_axis(FILE *out, char axis, const char *label, bool is_log) {
@@ -114,7 +129,7 @@ static void put_script(FILE *out, const LthStudyRun *run, const LthPlot *plot) {
   put_string(out, plot->title);
   fputc('\n', out);
   put_axis(out, 'x', plot->x_label, plot->log_x);
-  if (plot->log_x) put_log_tics(out, plot->series);
+  if (plot->log_x) put_log_tics(out, plot);
   put_axis(out, 'y', plot->y_label, plot->log_y);
   fputs("plot ", out);
   for (int i = 0; i < plot->n_series; i++) {

@@ -159,17 +159,21 @@ static void check_same(const LthBlockMatrix *A, const LthBlockMatrix *B, double 
     }
 }
 
-/// The live matrix and load are within `tolerance` of those of w.
+/// The live matrix and load are within `tolerance` of those of w; numbers that no element has carry no load.
 static void check_live_near(const Case *c, const LthBlockMatrix *A, const Whole *w,
                             double tolerance) {
-  double largest = 0;
+  double largest = 0, all = 0, used = 0;
   check_same(A, w->K, tolerance);
   for (LitheCount i = 0; i < w->space->n_dofs; i++) largest = fmax(largest, fabs(w->f0[i]));
   for (LitheIndex i = 0; i < w->mesh->n_cells; i++) {
     const double *f = lth_dg_live_load(c->live) + 3 * lth_dg_live_func(c->live, w->cell[i]);
     for (int k = 0; k < 3 * lth_dg_funcs(w->space, i); k++)
       CHECK_NEAR(f[k], w->f0[3 * w->space->func_off[i] + k], tolerance * largest);
+    for (int k = 0; k < 3 * lth_dg_funcs(w->space, i); k++) used += fabs(f[k]);
   }
+  for (LitheCount i = 0; i < 3 * (LitheCount)lth_dg_live_n_funcs(c->live); i++)
+    all += fabs(lth_dg_live_load(c->live)[i]);
+  CHECK_NEAR(all, used, 1e-12 * used);
 }
 
 /// The live matrix and load are those of all elements integrated from scratch: with the same bases to rounding, 1e-12, of which
