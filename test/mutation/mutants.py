@@ -272,7 +272,6 @@ MUTANTS = {
         ("loads of a tie", "couple/tie_faces.c", "f0[t->matrix.dof[c] + i] += t->f0[first + i];", "f0[t->matrix.dof[c] + i] += 1.1 * t->f0[first + i];"),
         ("rest of bodies that do not turn", "couple/tie_faces.c", "for_rotation && !t->turns[t->from[c]] ? t->rest + first : x + t->matrix.dof[c];", "for_rotation && t->turns[t->from[c]] ? t->rest + first : x + t->matrix.dof[c];"),
         ("columns of couplings", "system/system_matrix.c", "c->col[c->fill[pair[1]]++] = pair[0];", "c->col[c->fill[pair[1]]++] = pair[1];"),
-        ("damping of two bodies", "system/system_matrix.c", "double factor = fmin(own, ck[s->row_body[A->block_col[e]]]);", "double factor = fmax(own, ck[s->row_body[A->block_col[e]]]);"),
     ],
     "time steps": [
         ("stiffness in the step's matrix", "step/step_stage.c", "lth_step_combine(ctx, s, 1, g->H * g->H, g->H);", "lth_step_combine(ctx, s, 1, 1.1 * g->H * g->H, g->H);"),
