@@ -81,6 +81,37 @@ static void default_release(void *user, void *block) {
   free(block);
 }
 
+#if defined(MAP_ANONYMOUS) && defined(MADV_HUGEPAGE) && !defined(__SANITIZE_ADDRESS__)
+#define MAPPED (16 * HUGE_PAGE) // bytes from which malloc would map blocks too
+#endif
+
+/// Zeros straight from the system: what nobody ever writes takes no memory. The first page begins at a large page.
+static void *map_zeros(size_t bytes) {
+#ifdef MAPPED
+  const size_t whole = (bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
+  char *at =
+      mmap(NULL, whole + HUGE_PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (at == MAP_FAILED) return NULL;
+  const size_t before = (HUGE_PAGE - (uintptr_t)at % HUGE_PAGE) % HUGE_PAGE;
+  if (before > 0) (void)munmap(at, before);
+  if (before < HUGE_PAGE) (void)munmap(at + before + whole, HUGE_PAGE - before);
+  (void)madvise(at + before, whole, MADV_HUGEPAGE);
+  return at + before;
+#else
+  (void)bytes;
+  return NULL;
+#endif
+}
+
+static void unmap(void *block, size_t bytes) {
+#ifdef MAPPED
+  (void)munmap(block, (bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE);
+#else
+  (void)block;
+  (void)bytes;
+#endif
+}
+
 LitheCtxDef lithe_ctx_def_default(void) {
   return (LitheCtxDef){.allocate = default_allocate, .release = default_release};
 }
@@ -160,15 +191,29 @@ void lth_warn(LitheCtx *ctx, const char *format, ...) {
   end_message(ctx);
 }
 
+/// A block of so many bytes comes straight from the system.
+static bool is_mapped(const LitheCtx *ctx, size_t bytes) {
+#ifdef MAPPED
+  return bytes >= MAPPED && ctx->def.allocate == default_allocate &&
+         ctx->def.release == default_release;
+#else
+  (void)ctx;
+  (void)bytes;
+  return false;
+#endif
+}
+
 void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
   size_t bytes = 0;
   if (count < 0 || __builtin_mul_overflow((size_t)count, size, &bytes) ||
       bytes > PTRDIFF_MAX - 2 * sizeof(BlockHead))
     return NULL;
   size_t whole = (bytes + 2 * sizeof(BlockHead) - 1) / sizeof(BlockHead) * sizeof(BlockHead);
-  BlockHead *head = ctx->def.allocate(ctx->def.memory_user, LTH_ALIGNMENT, whole);
+  const bool mapped = is_mapped(ctx, whole);
+  BlockHead *head =
+      mapped ? map_zeros(whole) : ctx->def.allocate(ctx->def.memory_user, LTH_ALIGNMENT, whole);
   if (!head) return NULL;
-  memset(head, 0, whole);
+  if (!mapped) memset(head, 0, whole);
   head->bytes = whole;
   atomic_fetch_add(&ctx->n_allocs, 1);
   atomic_fetch_add(&ctx->bytes, (long long)whole);
@@ -188,7 +233,10 @@ void lth_free(LitheCtx *ctx, void *block) {
   if (!block) return;
   BlockHead *head = (BlockHead *)block - 1;
   atomic_fetch_sub(&ctx->bytes, (long long)head->bytes);
-  ctx->def.release(ctx->def.memory_user, head);
+  if (is_mapped(ctx, head->bytes))
+    unmap(head, head->bytes);
+  else
+    ctx->def.release(ctx->def.memory_user, head);
 }
 
 LitheCount lth_alloc_count(const LitheCtx *ctx) { return atomic_load(&ctx->n_allocs); }

@@ -12,12 +12,18 @@
 #define FACTOR_FLOPS 8e9    // sparse Cholesky [1/s]
 #define SOLVE_BYTES 6e9     // triangular solves and products read the matrix [byte/s]
 #define GRID_SECONDS 1.5e-6 // a matrix-free solve by multigrid, an unknown
-// What it holds: values of blocks that hold something, at every place of theirs; coefficients of those that are not uniform; vectors
-// over functions, which have three places in the plane too; and clusters with their levels, where features are thin.
-#define GRID_SLOT 68.0
-#define GRID_GENERAL 18.0
-#define GRID_FUNCTION 810.0
-#define GRID_CLUSTERS 90.0
+// What it holds, in bytes: at every slot of its blocks; for values of rows with unknowns, and samples of rows that are cut; for
+// functions, of which vectors have three values in the plane too; parts of cut cells; figures of cells; coarser levels; and
+// clusters with their levels, where features are thin.
+#define GRID_SLOT 20.0
+#define GRID_VALUE 34.0
+#define GRID_SAMPLE 11.5 // a value of a sample, in both precisions
+#define GRID_FUNCTION 500.0
+#define GRID_CUT 128.0
+#define GRID_CELL 190.0
+#define GRID_COARSER 1.2
+#define GRID_CLUSTERS 105.0
+#define GRID_OUTPUT 3.7e7   // buffers of files that are written
 #define GRID_THIN 0.4       // share of cut cells from which a body is thin
 #define MIXED_SECONDS 6e-6  // and that of the mixed form
 #define MIXED_UNKNOWN 237.0 // vectors over unknowns
@@ -117,25 +123,16 @@ static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool t
          (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
 }
 
-/// Slots of blocks in which some cell is not full.
-static double general_slots(const LthStaggeredBody *s) {
-  const LthSparseGrid *g = s->fractions->grid;
-  double n = 0;
-  for (LitheIndex b = 0; b < g->n_blocks; b++) {
-    bool uniform = true;
-    for (LitheCount i = 0; uniform && i < g->block_cells; i++)
-      uniform = s->filled[b * (LitheCount)g->block_cells + i] >= 1;
-    n += uniform ? 0 : g->block_cells;
-  }
-  return n;
-}
-
 /// What a run with the displacement form holds.
 static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count) {
   const LthSparseGrid *g = s->fractions->grid;
   const bool is_thin = count->cut > GRID_THIN * count->cells;
-  return g->dim * (GRID_SLOT * (double)g->n_slots + GRID_GENERAL * general_slots(s)) +
-         (GRID_FUNCTION / g->dim + (is_thin ? GRID_CLUSTERS : 0)) * (double)count->unknowns;
+  const double samples = g->dim == 3 ? 9 : 6, row = g->side;
+  const double solver = GRID_VALUE * g->dim * row * (double)count->rows +
+                        GRID_SAMPLE * samples * row * (double)count->own_rows;
+  return GRID_OUTPUT + GRID_SLOT * (double)g->n_slots + (is_thin ? 1 : GRID_COARSER) * solver +
+         GRID_FUNCTION * (double)count->funcs + GRID_CUT * count->cut + GRID_CELL * count->cells +
+         (is_thin ? GRID_CLUSTERS * (double)count->unknowns : 0);
 }
 
 /// The formulation as far as it can be told without places.

@@ -117,12 +117,10 @@ static LitheStatus sample_grid(LitheCtx *ctx, const LthBody *body, LitheIndex nu
                                Samples *samples) {
   double *von_mises = NULL;
   LITHE_TRY(lth_measure_grid_stress(ctx, body, &von_mises));
-  LitheStatus status = LITHE_OK;
+  LitheStatus status = lth_reserve_(ctx, (void **)&samples->items, &samples->cap,
+                                    samples->n + body->disc->n_cells, sizeof *samples->items);
   for (LitheIndex c = 0; c < body->disc->n_cells && status == LITHE_OK; c++) {
     if (!isfinite(von_mises[c])) continue;
-    status = lth_reserve_(ctx, (void **)&samples->items, &samples->cap, samples->n + 1,
-                          sizeof *samples->items);
-    if (status != LITHE_OK) break;
     Sample *s = samples->items + samples->n++;
     *s = (Sample){.von_mises = von_mises[c],
                   .volume = lth_body_cell_volume(body, c),

@@ -18,15 +18,38 @@ static LitheCount slot_below(const LthSparseGrid *g, LitheCount slot, int a) {
   return lth_sparse_grid_step(g, slot, step);
 }
 
+static bool is_full(const LthStaggeredBody *s, LitheCount slot) {
+  return slot >= 0 && s->filled[slot] >= 1;
+}
+
+/// Count what stands at a slot; whether that is anything, and whether all is full around it.
+static void count_slot(const LthStaggeredBody *s, LitheCount slot, LthGridCount *count, bool *any,
+                       bool *full) {
+  const LthSparseGrid *g = s->fractions->grid;
+  LitheCount unknowns = 0;
+  count->cells += is_filled(s, slot);
+  count->cut += is_filled(s, slot) && s->filled[slot] < 1;
+  *full &= is_full(s, slot);
+  for (int a = 0; a < g->dim; a++) {
+    const LitheCount below = slot_below(g, slot, a);
+    unknowns += is_filled(s, slot) || is_filled(s, below);
+    *full &= is_full(s, below);
+  }
+  count->unknowns += unknowns;
+  count->funcs += unknowns > 0;
+  *any |= unknowns > 0;
+}
+
 LthGridCount lth_count_grid(const LthBody *body) {
   const LthStaggeredBody *s = body->staggered;
   const LthSparseGrid *g = s->fractions->grid;
   LthGridCount count = {0};
-  for (LitheCount slot = 0; slot < g->n_slots; slot++) {
-    count.cells += is_filled(s, slot);
-    count.cut += is_filled(s, slot) && s->filled[slot] < 1;
-    for (int a = 0; a < g->dim; a++)
-      count.unknowns += is_filled(s, slot) || is_filled(s, slot_below(g, slot, a));
+  for (LitheCount first = 0; first < g->n_slots; first += g->side) {
+    bool any = false, full = true;
+    for (LitheCount slot = first; slot < first + g->side; slot++)
+      count_slot(s, slot, &count, &any, &full);
+    count.rows += any;
+    count.own_rows += any && !full;
   }
   return count;
 }

@@ -13,7 +13,9 @@ LitheStatus lth_write_fractions(LitheCtx *ctx, const LthBody *body, const char *
 /// Cells with material, and unknowns that touch them.
 typedef struct LthGridCount {
   LitheIndex cells, cut;
-  LitheCount unknowns;
+  LitheCount unknowns, funcs; ///< funcs: slots that have some
+  LitheCount rows,
+      own_rows; ///< rows of slots with unknowns; those of them that are not full all around
 } LthGridCount;
 
 LthGridCount lth_count_grid(const LthBody *body);

@@ -28,7 +28,8 @@ static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
   if (!s->own) LTH_NEW(ctx, s->factor_x, s->n);
   LTH_NEW(ctx, s->mass, s->n);
-  LTH_NEW(ctx, s->row_mass, s->n);
+  s->row_mass = s->mass; // that of a grid is diagonal
+  if (!s->own) LTH_NEW(ctx, s->row_mass, s->n);
   LTH_NEW(ctx, s->cm, s->system->n_bodies);
   LTH_NEW(ctx, s->ck, s->system->n_bodies);
   return LITHE_OK;
@@ -82,7 +83,7 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   lth_system_rest(system, s->x_rest);
   memcpy(s->x, s->x_rest, sizeof *s->x * (size_t)s->n);
   lth_system_mass_diagonal(system, s->mass);
-  sum_rows_of_mass(s);
+  if (!s->own) sum_rows_of_mass(s);
   *sim = s;
   s = NULL;
 done:
@@ -93,6 +94,7 @@ done:
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   if (!sim || !*sim) return;
   LthSimulation *s = *sim;
+  if (s->row_mass == s->mass) s->row_mass = NULL;
   double *vectors[] = {s->x_rest,  s->x,          s->v,        s->u,       s->f_ext,    s->f0,
                        s->force,   s->base,       s->rhs,      s->best,    s->solution, s->driven,
                        s->scratch, s->held_force, s->mass,     s->extra,   s->cm,       s->ck,

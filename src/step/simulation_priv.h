@@ -114,7 +114,7 @@ struct LthSimulation {
   double *start, *f_before; // equilibria: state and loads at the start, NULL until the first
   LthAnderson *anderson;
   LthNewton *newton; // NULL until first needed
-  double *best;      // and the state of the smallest residual
+  double *best;      // and the state of the smallest residual, where one solve is not all
 };
 
 /// y = A x with A as it stands: K after lth_step_assemble(), cm M + ck K after lth_step_combine().

@@ -182,6 +182,7 @@ static void keep_best(LthSimulation *s, Search *q) {
   if (!(q->residual < q->best) && !comes) return;
   q->best = q->residual;
   q->best_touches = s->contact_on;
+  if (!s->best) return;
   memcpy(s->best, s->x, sizeof *s->x * (size_t)s->n);
 }
 
@@ -242,10 +243,11 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
 }
 
 static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
-  if (s->best) return LITHE_OK;
+  if (s->f_before) return LITHE_OK;
   LTH_NEW(ctx, s->start, s->n);
+  // where one solve is all, nothing goes back to a state before
+  if (s->system->warped || s->has_contact) LTH_NEW(ctx, s->best, s->n);
   LTH_NEW(ctx, s->f_before, s->n);
-  LTH_NEW(ctx, s->best, s->n);
   if (!s->own) LITHE_TRY(lth_anderson_create(ctx, s->n, &s->anderson)); // one solve is exact
   return LITHE_OK;
 }
@@ -305,9 +307,10 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   LITHE_TRY(allocate(ctx, s));
   memcpy(s->start, s->x, bytes);
-  memcpy(s->best, s->x, bytes);
+  if (s->best) memcpy(s->best, s->x, bytes);
   memcpy(s->f_before, s->f_ext, bytes);
-  memset(s->v, 0, bytes);
+  for (LitheCount i = 0; i < s->n; i++)
+    if (s->v[i] != 0) s->v[i] = 0; // pages that nobody has written stay so, and take no memory
   s->report.newton_iterations = 0;
   s->contact_stands = false;
   s->rigid.H = 0;

@@ -98,14 +98,17 @@ static bool find_nonlinear(const LthSystem *s) {
 static LitheStatus prepare_forces(LitheCtx *ctx, LthSystem *s) {
   LTH_NEW(ctx, s->one, s->n / 3);
   LTH_NEW(ctx, s->f_fixed, s->n);
-  LTH_NEW(ctx, s->scratch, s->n);
   for (LitheIndex b = 0; b < s->n_bodies; b++) {
     const LthDisc *disc = disc_of(s, b);
     disc->table->one(disc, s->one + s->dof_first[b] / 3);
     disc->table->add_gravity(disc, s->gravity, s->f_fixed + s->dof_first[b]);
   }
-  lth_system_rest(s, s->scratch);
-  return add_loads(ctx, s, true, 0, s->scratch, s->f_fixed);
+  double *rest;
+  LTH_NEW(ctx, rest, s->n);
+  lth_system_rest(s, rest);
+  LitheStatus status = add_loads(ctx, s, true, 0, rest, s->f_fixed);
+  lth_free(ctx, rest);
+  return status;
 }
 
 /// Tell each contact where its bodies stand in vectors, and in the diagonal blocks of all rows.
@@ -165,9 +168,9 @@ void lth_system_destroy(LitheCtx *ctx, LthSystem **system) {
   LthSystem *s = *system;
   if (!s) return;
   lth_system_parts_free(ctx, s);
-  void *blocks[] = {
-      s->bodies,   s->couplings, s->contacts, s->row_first, s->dof_first, s->row_body, s->held,
-      s->row_held, s->one,       s->f_fixed,  s->fade,      s->scratch,   s->part,     s};
+  void *blocks[] = {s->bodies, s->couplings, s->contacts, s->row_first, s->dof_first, s->row_body,
+                    s->held,   s->row_held,  s->one,      s->f_fixed,   s->fade,      s->part,
+                    s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   *system = NULL;
 }

@@ -67,7 +67,6 @@ typedef struct LthSystem {
   double *f_fixed;               ///< gravity and loads that never change [N]          (n)
   double *fade;                  ///< a force that dies away, NULL: none [N]           (n)
   double fade_start, fade_decay; ///< when it was whole, and the time in which it falls to 1/e [s]
-  double *scratch;               ///< (n)
   LthBlockMatrix **part;         ///< a body's rows of A, values lent from there       (n_bodies)
   bool lends;                    ///< they are: parts have none of their own
 } LthSystem;

@@ -14,7 +14,10 @@ static LitheStatus refill(LitheCtx *ctx, LthStaggeredClusters *C) {
   if (C->factor) return C->engine->factorize(ctx, C->factor, C->A);
   if (C->levels) return lth_multilevel_update(ctx, C->levels, NULL, NULL);
   const LthMultilevelDef def = {.A = C->A, .near = C->near, .least_rows = LEAST_ROWS};
-  return lth_multilevel_create(ctx, &def, &C->levels);
+  LITHE_TRY(lth_multilevel_create(ctx, &def, &C->levels));
+  lth_free(ctx, C->near);
+  C->near = NULL;
+  return LITHE_OK;
 }
 
 /// A little stiffer than the body: for motions without energy.
