@@ -175,7 +175,7 @@ static LitheStatus iterate(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOpe
   LitheIndex it = 0;
   for (; it < most && norm > target; it++) {
     if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
-    LITHE_TRY(lth_staggered_cycle(ctx, M, 0, true, &rz));
+    LITHE_TRY(lth_staggered_cycle(ctx, M, &rz));
     turn_direction(ctx, M, alpha, it == 0 ? 0 : rz / rz_before, true, w);
     double pq = apply_operator(ctx, M, extra);
     *definite = rz > 0 && pq > 0;
@@ -264,7 +264,7 @@ LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *
                                           double *z) {
   double product, norm = norm_of(ctx, M, r), scale = norm > 0 ? 1 / norm : 1;
   true_residual(ctx, M, NULL, r, NULL, true, scale);
-  LITHE_TRY(lth_staggered_cycle(ctx, M, 0, true, &product));
+  LITHE_TRY(lth_staggered_cycle(ctx, M, &product));
   memset(z, 0, sizeof *z * (size_t)M->def.n_dofs);
   take_start(ctx, M, scale * M->unit, z);
   return LITHE_OK;
@@ -277,6 +277,19 @@ LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *M
   LITHE_TRY(lth_staggered_full(ctx, M));
   memset(w, 0, sizeof *w * (size_t)M->def.n_dofs);
   take_start(ctx, M, scale * M->unit, w);
+  return LITHE_OK;
+}
+
+LitheStatus lth_staggered_multigrid_time_full(LitheCtx *ctx, LthStaggeredMultigrid *M,
+                                              const double *rhs, int count, double *seconds) {
+  double norm = norm_of(ctx, M, rhs), scale = norm > 0 ? 1 / norm : 1;
+  true_residual(ctx, M, NULL, rhs, NULL, true, scale);
+  double start = lth_now();
+  for (int i = 0; i < count; i++) {
+    advance(ctx, M, 0, scale);
+    LITHE_TRY(lth_staggered_full(ctx, M));
+  }
+  *seconds = (lth_now() - start) / count;
   return LITHE_OK;
 }
 

@@ -71,12 +71,20 @@ static LitheStatus solve_coarsest(LthFastLevel *L, LitheCtx *ctx, LthStaggeredMu
   return LITHE_OK;
 }
 
+/// Steps of the smoother before and after a correction.
+typedef struct Steps {
+  int before, after;
+} Steps;
+
+static LitheStatus run_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, const Steps *steps,
+                             bool from_zero, double *sum);
+
 /// x += what the coarser level, or that of rigid clusters, makes of the residual.
-static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
+static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, const Steps *steps) {
   LthFastLevel *L = &M->level[l];
   if (l < M->n_levels - 1) {
     restrict_down(ctx, L, L + 1, false);
-    LITHE_TRY(lth_staggered_cycle(ctx, M, l + 1, true, NULL));
+    LITHE_TRY(run_cycle(ctx, M, l + 1, steps, true, NULL));
     prolong_up(ctx, L, L + 1, true);
     return LITHE_OK;
   }
@@ -87,29 +95,34 @@ static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
   return lth_staggered_clusters_correct(ctx, M->clusters);
 }
 
-LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool from_zero,
-                                double *product) {
-  double *sum = l == 0 ? M->sum : NULL;
+static LitheStatus run_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, const Steps *steps,
+                             bool from_zero, double *sum) {
   LthFastLevel *L = &M->level[l];
-  if (l == M->n_levels - 1 && M->coarsest.A) {
-    LITHE_TRY(solve_coarsest(L, ctx, M, sum));
-  } else {
-    if (from_zero) start(ctx, L);
-    smooth(ctx, L, from_zero ? 2 : 1, M->degree, NULL);
-    LITHE_TRY(correct(ctx, M, l));
-    smooth(ctx, L, 1, M->degree, sum);
-  }
-  if (product) *product = lth_staggered_sum(M);
+  if (l == M->n_levels - 1 && M->coarsest.A) return solve_coarsest(L, ctx, M, sum);
+  if (from_zero) start(ctx, L);
+  smooth(ctx, L, from_zero ? 2 : 1, steps->before, NULL);
+  LITHE_TRY(correct(ctx, M, l, steps));
+  smooth(ctx, L, 1, steps->after, sum);
   return LITHE_OK;
 }
 
+LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, double *product) {
+  const Steps same = {M->degree, M->degree};
+  LITHE_TRY(run_cycle(ctx, M, 0, &same, true, M->sum));
+  *product = lth_staggered_sum(M);
+  return LITHE_OK;
+}
+
+/// The start is smooth but for what interpolation adds, and that has to be gone before a residual is restricted, while a correction
+/// leaves little: all steps are before. The cycle need not be symmetric here.
 LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M) {
-  int last = M->n_levels - 1;
+  const int last = M->n_levels - 1;
+  const Steps same = {M->degree, M->degree}, early = {M->degree + 1, 0};
   for (int l = 0; l < last; l++) restrict_down(ctx, &M->level[l], &M->level[l + 1], true);
-  LITHE_TRY(lth_staggered_cycle(ctx, M, last, true, NULL));
+  LITHE_TRY(run_cycle(ctx, M, last, &same, true, NULL));
   for (int l = last - 1; l >= 0; l--) {
     prolong_up(ctx, &M->level[l], &M->level[l + 1], false);
-    LITHE_TRY(lth_staggered_cycle(ctx, M, l, false, NULL));
+    LITHE_TRY(run_cycle(ctx, M, l, &early, false, NULL));
   }
   return LITHE_OK;
 }

@@ -1,6 +1,7 @@
 /// A level of the fast kernels: its coefficients in single precision, and scales of its interpolation.
 #include "disc/staggered/staggered_fast.h"
 #include "disc/staggered/staggered_slot.h"
+#include "disc/staggered/staggered_walls.h"
 
 #include <float.h>
 #include <math.h>
@@ -171,6 +172,43 @@ static bool is_free(const LthFastLevel *L, LitheIndex block, LitheIndex q, Lithe
   return L->level->state[i / side][lth_fast_slot(L, block, q) + i % side] == LTH_UNKNOWN_FREE;
 }
 
+/// Mark the fine blocks in which some unknown may be interpolated from a held coarse one.
+static void mark_walls(const LthFastLevel *L, const LthFastLevel *coarse, uint8_t *near) {
+  const LthStaggeredWalls *w = coarse->level->walls;
+  const LthSparseGrid *g = L->grid;
+  const int bits = lth_side_bits(g), deep = g->dim == 3;
+  for (LitheIndex i = 0; w && i < w->first[coarse->grid->n_blocks]; i++) {
+    LitheIndex c[3], low[3], high[3];
+    lth_cell_of(coarse->grid, w->at[i].slot, c);
+    for (int a = 0; a < 3; a++) {
+      low[a] = (2 * c[a] - 4 < 0 ? 0 : 2 * c[a] - 4) >> bits;
+      high[a] = (2 * c[a] + 4) >> bits;
+      if (high[a] >= g->n_block[a]) high[a] = g->n_block[a] - 1;
+    }
+    for (LitheIndex z = deep ? low[2] : 0; z <= (deep ? high[2] : 0); z++)
+      for (LitheIndex y = low[1]; y <= high[1]; y++)
+        for (LitheIndex x = low[0]; x <= high[0]; x++) {
+          const LitheIndex b =
+              g->block_at[x + (LitheCount)g->n_block[0] * (y + (LitheCount)g->n_block[1] * z)];
+          if (b >= 0) near[b] = 1;
+        }
+  }
+}
+
+/// Beside walls: the inverse of what interpolation is to multiply by, in the place of sums of weights.
+static void set_wall_sums(const LthFastLevel *L, const LthFastLevel *coarse, double unit,
+                          LitheIndex block) {
+  const LitheIndex side = L->grid->side;
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++)
+    for (LitheIndex i = 0; i < lth_fast_width(L); i++) {
+      if (!is_free(L, block, q, i)) continue;
+      LitheIndex cell[3];
+      lth_cell_of(L->grid, lth_fast_slot(L, block, q) + i % side, cell);
+      const double scale = lth_staggered_wall_scale(coarse->level, L->level, unit, i / side, cell);
+      if (scale > 0) L->x.at[q * L->x.stride + i] = (float)(1 / scale);
+    }
+}
+
 /// Inverse of the sums of weights in x where they are the same for all unknowns, and these free; else 0. Sums of equal
 /// weights differ by rounding, which single precision does not tell from what it does itself.
 static float same_scale(const LthFastLevel *L, LitheIndex block) {
@@ -198,9 +236,16 @@ static void set_scale(LthFastLevel *L, LitheIndex block) {
 LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse) {
   const LthFastKernels *k = lth_fast_kernels(L);
   double unit = lth_staggered_modulus_unit(coarse->level);
+  uint8_t *near = NULL;
+  LTH_NEW(ctx, near, L->grid->n_blocks);
+  mark_walls(L, coarse, near);
   mark_there(ctx, coarse, unit);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, false);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(lth_threads(ctx))
+  for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
+    if (near[b]) set_wall_sums(L, coarse, unit, b);
+  lth_free(ctx, near);
   for (LitheIndex i = 0; i < L->n_active; i++) {
     LitheIndex b = L->active[i];
     float same = same_scale(L, b);

@@ -62,11 +62,16 @@ void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
 void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
                                 const LthStaggeredLevel *fine, const double *const r_fine[3],
                                 double *const r_coarse[3]);
-/// Unknowns of the coarse level that a free fine one is interpolated from, with weights of sum 1; returns how many.
+/// Unknowns of the coarse level that a free fine one is interpolated from, with weights of sum 1 (beside a wall: such that displacements
+/// in proportion to the distance from it are kept); returns how many.
 /// `unit` is lth_staggered_modulus_unit() of the coarse level.
 int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
                           double unit, int a, const LitheIndex fine_cell[3], LitheCount slot[8],
                           double weight[8]);
+
+/// What the weights of a free fine unknown's parents are multiplied by where a held one is among them; 0: by the inverse of their sum.
+double lth_staggered_wall_scale(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
+                                double unit, int a, const LitheIndex fine_cell[3]);
 
 /// Greatest mu of a level that knows its volumes, else 0. Where it is not 0, interpolation to the next finer level weighs
 /// unknowns by lth_staggered_pull(): what is soft follows what is stiff, and what is full what is nearly empty.

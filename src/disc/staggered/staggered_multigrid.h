@@ -44,7 +44,10 @@ LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *
 LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                          const double *rhs, double *w);
 
-/// Seconds of one application of the operator, as solves do it, mean of `count`; after prepare().
+/// Seconds of one pass of full multigrid, and of one application of the operator, on vectors that lie as solves have them, mean of
+/// `count`; after prepare().
+LitheStatus lth_staggered_multigrid_time_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
+                                              const double *rhs, int count, double *seconds);
 LitheStatus lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                                int count, double *seconds);
 

@@ -24,9 +24,8 @@ struct LthStaggeredMultigrid {
   double *extra_x, *extra_y;                ///< of `extra`, or NULL                   (n_dofs)
 };
 
-/// x of level l from its b by one V-cycle, from zero or from x; returns b . x on level 0.
-LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool from_zero,
-                                double *product);
+/// x of level 0 from its b by one V-cycle from zero; product = b . x.
+LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, double *product);
 /// x of level 0 from its b: every level's start is the coarser one's solution.
 LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M);
 

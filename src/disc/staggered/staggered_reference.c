@@ -1,6 +1,7 @@
 /// The staggered operator and its transfers, one unknown at a time: what the fast kernels are held against.
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_slot.h"
+#include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
 #include <string.h>
@@ -115,9 +116,9 @@ double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheC
   return V > 0 && mu > 0 ? fmin(1, 2 * V) * mu / (V * unit) : 1;
 }
 
-int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
-                          double unit, int a, const LitheIndex cell[3], LitheCount slot[8],
-                          double weight[8]) {
+/// Parents of a free fine unknown with weights that are not scaled yet; returns how many.
+static int find_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, double unit,
+                        int a, const LitheIndex cell[3], LitheCount slot[8], double weight[8]) {
   LitheIndex near[3], far[3];
   double w[3][2];
   for (int b = 0; b < 3; b++) {
@@ -128,19 +129,52 @@ int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLev
     if (!flat) far[b] += b == a || odd ? 1 : -1;
   }
   int n = 0;
-  double sum = 0;
   for (int q = 0; q < 8; q++) {
     double p = w[0][q & 1] * w[1][q >> 1 & 1] * w[2][q >> 2];
     if (p == 0) continue;
     LitheCount s = lth_slot_of(coarse->grid, q & 1 ? far[0] : near[0], q & 2 ? far[1] : near[1],
                                q & 4 ? far[2] : near[2]);
     if (s < 0 || coarse->state[a][s] == LTH_UNKNOWN_DEAD) continue;
-    p *= lth_staggered_pull(coarse, unit, a, s);
     slot[n] = s;
-    weight[n++] = p;
-    sum += p;
+    weight[n++] = p * lth_staggered_pull(coarse, unit, a, s);
   }
-  for (int i = 0; i < n; i++) weight[i] /= sum;
+  return n;
+}
+
+/// As lth_staggered_wall_scale(), from the parents.
+static double wall_scale(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine, int a,
+                         const LitheIndex cell[3], int n, const LitheCount slot[8],
+                         const double weight[8]) {
+  double sum = 0;
+  bool any = false;
+  for (int i = 0; i < n; i++) any |= coarse->state[a][slot[i]] == LTH_UNKNOWN_HELD;
+  if (!any) return 0;
+  for (int i = 0; i < n; i++) {
+    LitheIndex at[3];
+    if (coarse->state[a][slot[i]] == LTH_UNKNOWN_HELD) continue;
+    lth_cell_of(coarse->grid, slot[i], at);
+    const double distance = 2 * lth_staggered_wall_distance(coarse, a, at);
+    if (distance == 0) return 0;
+    sum += weight[i] * distance;
+  }
+  return sum > 0 ? lth_staggered_wall_distance(fine, a, cell) / sum : 0;
+}
+
+double lth_staggered_wall_scale(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
+                                double unit, int a, const LitheIndex cell[3]) {
+  LitheCount slot[8];
+  double weight[8];
+  const int n = find_parents(coarse, fine, unit, a, cell, slot, weight);
+  return wall_scale(coarse, fine, a, cell, n, slot, weight);
+}
+
+int lth_staggered_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel *fine,
+                          double unit, int a, const LitheIndex cell[3], LitheCount slot[8],
+                          double weight[8]) {
+  const int n = find_parents(coarse, fine, unit, a, cell, slot, weight);
+  double scale = wall_scale(coarse, fine, a, cell, n, slot, weight), sum = 0;
+  for (int i = 0; i < n; i++) sum += weight[i];
+  for (int i = 0; i < n; i++) weight[i] *= scale > 0 ? scale : 1 / sum;
   return n;
 }
 

@@ -141,6 +141,25 @@ double lth_staggered_wall_way(const LthStaggeredLevel *l, int a, int b, const Li
   return way > 0 ? way : 1;
 }
 
+double lth_staggered_wall_distance(const LthStaggeredLevel *l, int a, const LitheIndex cell[3]) {
+  double sum = 0;
+  for (int b = 0; b < l->grid->dim; b++) {
+    double least = INFINITY;
+    for (int to = -1; to <= 1; to += 2) {
+      LitheIndex at[3] = {cell[0], cell[1], cell[2]}, next[3] = {cell[0], cell[1], cell[2]};
+      int state = LTH_UNKNOWN_FREE;
+      for (int step = 0; step < FARTHEST && state == LTH_UNKNOWN_FREE; step++, at[b] += to) {
+        next[b] = at[b] + to;
+        state = state_at(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
+        if (state == LTH_UNKNOWN_HELD)
+          least = fmin(least, step + lth_staggered_wall_way(l, a, b, at, next));
+      }
+    }
+    sum += 1 / (least * least);
+  }
+  return sum > 0 ? 1 / sqrt(sum) : 0;
+}
+
 /// Fine cells from where a coarse unknown is, in one of the lines of fine ones that it stands for, to what is held; -1: it is not near.
 static double way_along(const LthStaggeredLevel *l, int a, int b, LitheIndex at[3], int to) {
   double way = a == b ? 0 : 0.5;

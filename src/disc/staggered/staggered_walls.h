@@ -49,6 +49,9 @@ LthWallCuts lth_staggered_wall_cuts(const LthStaggeredLevel *level, LitheCount s
 double lth_staggered_wall_way(const LthStaggeredLevel *level, int a, int b,
                               const LitheIndex from[3], const LitheIndex to[3]);
 
+/// How far a free unknown is before the plane that cuts the axes where walls do, in cells; 0: no wall is near.
+double lth_staggered_wall_distance(const LthStaggeredLevel *level, int a, const LitheIndex cell[3]);
+
 /// Walls of a coarse level, whose weights are those of no wall so far and whose states are set, from those of the finer one.
 LitheStatus lth_staggered_walls_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                         LthStaggeredLevel *coarse);

@@ -1,4 +1,5 @@
 /// Levels and transfers of the staggered multigrid: what P keeps, R = P^T, rule A on every level, thin features.
+#include "disc/staggered/staggered_walls.h"
 #include "staggered_shape.h"
 
 static const ShapeDef ring = {
@@ -44,6 +45,12 @@ static void set_linear(const LthStaggeredLevel *l, const double c[3], const doub
     }
 }
 
+static bool any_is_held(const LthStaggeredLevel *l, int a, int n, const LitheCount slot[8]) {
+  bool any = false;
+  for (int i = 0; i < n; i++) any |= l->state[a][slot[i]] == LTH_UNKNOWN_HELD;
+  return any;
+}
+
 static void check_prolong(const ShapeDef *def) {
   Levels L = levels_of(def, 0);
   LthStaggeredLevel *f = &L.H->level[0], *k = &L.H->level[1];
@@ -67,6 +74,7 @@ static void check_prolong(const ShapeDef *def) {
         lth_sparse_grid_cell(f->grid, s, cell);
         int n = lth_staggered_parents(k, f, 0, a, cell, slot, weight);
         bool full = n == (cell[a] & 1 ? 2 : 1) << (def->dim - 1);
+        if (any_is_held(k, a, n, slot)) continue; // the next test
         n_full += full;
         if (!linear || full) CHECK_NEAR(fine[a][s], exact[a][s], 1e-14 * 10);
       }
@@ -78,10 +86,59 @@ static void check_prolong(const ShapeDef *def) {
   levels_free(&L);
 }
 
-static void prolongation_keeps_constants_everywhere_and_linear_fields_inside(void **state) {
+static void prolongation_keeps_constants_up_to_walls_and_linear_fields_inside(void **state) {
   (void)state;
   check_prolong(&ring);
   check_prolong(&ball);
+}
+
+/// In fine cells; 0 where nothing held is near.
+static void set_distance(const LthStaggeredLevel *l, double cells, double *const u[3]) {
+  for (int a = 0; a < l->grid->dim; a++)
+    for (LitheCount s = 0; s < l->grid->n_slots; s++) {
+      LitheIndex cell[3];
+      lth_sparse_grid_cell(l->grid, s, cell);
+      if (l->state[a][s] == LTH_UNKNOWN_FREE)
+        u[a][s] = cells * lth_staggered_wall_distance(l, a, cell);
+    }
+}
+
+static void prolongation_keeps_the_distance_from_a_wall(void **state) {
+  (void)state;
+  for (int deep = 0; deep < 2; deep++) {
+    Levels L = levels_of(deep ? &ball : &ring, 0);
+    LthStaggeredLevel *f = &L.H->level[0], *k = &L.H->level[1];
+    double *fine[3], *coarse[3], *exact[3];
+    shape_vectors(&L.shape, f->grid, fine);
+    shape_vectors(&L.shape, f->grid, exact);
+    shape_vectors(&L.shape, k->grid, coarse);
+    set_distance(k, 2, coarse);
+    set_distance(f, 1, exact);
+    lth_staggered_prolong_ref(L.shape.ctx, k, f, (const double *const *)coarse, fine);
+    LitheCount n_beside = 0;
+    for (int a = 0; a < f->grid->dim; a++)
+      for (LitheCount s = 0; s < f->grid->n_slots; s++) {
+        if (f->state[a][s] != LTH_UNKNOWN_FREE) continue;
+        LitheIndex cell[3];
+        LitheCount slot[8];
+        double weight[8];
+        bool any = false, all = true;
+        lth_sparse_grid_cell(f->grid, s, cell);
+        int n = lth_staggered_parents(k, f, 0, a, cell, slot, weight);
+        for (int i = 0; i < n; i++) {
+          any |= k->state[a][slot[i]] == LTH_UNKNOWN_FREE;
+          all &= k->state[a][slot[i]] != LTH_UNKNOWN_FREE || coarse[a][slot[i]] > 0;
+        }
+        if (!any || !all || exact[a][s] == 0 || !any_is_held(k, a, n, slot)) continue;
+        CHECK_NEAR(fine[a][s], exact[a][s], 1e-14 * exact[a][s]);
+        n_beside++;
+      }
+    assert_true(n_beside > 20);
+    shape_vectors_free(&L.shape, fine);
+    shape_vectors_free(&L.shape, exact);
+    shape_vectors_free(&L.shape, coarse);
+    levels_free(&L);
+  }
 }
 
 static void randomise(const LthStaggeredLevel *l, uint64_t *seed, double *u[3]) {
@@ -209,7 +266,8 @@ static void only_blocks_with_material_are_kept(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(prolongation_keeps_constants_everywhere_and_linear_fields_inside),
+      cmocka_unit_test(prolongation_keeps_constants_up_to_walls_and_linear_fields_inside),
+      cmocka_unit_test(prolongation_keeps_the_distance_from_a_wall),
       cmocka_unit_test(restriction_is_the_transpose_on_every_level),
       cmocka_unit_test(rule_a_holds_on_every_level),
       cmocka_unit_test(uniform_material_stays_uniform),
