@@ -48,6 +48,23 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
                                  LthEmbedding **embedding);
 void lth_embedding_destroy(LitheCtx *ctx, LthEmbedding **embedding);
 
+/// What the rows of an embedding were made from, kept to find those that a change of elements leaves as they are.
+typedef struct LthEmbeddingRows LthEmbeddingRows;
+
+/// The same after a change of elements, bit by bit, but rows of points whose surroundings are what they were are taken from
+/// `*rows`. That is NULL the first time, and from then on what this call leaves; the caller frees it. `cell_record`
+/// (n_cells): numbers of cells that stay the same from one mesh to the next, unless the cell is another one. Points
+/// keep their numbers; new ones come behind.
+LitheStatus lth_embedding_renew(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
+                                const double *points, const LitheIndex *point_cell,
+                                LthInterpolation interpolation, LthSamples samples,
+                                const LitheIndex *cell_record, LthEmbeddingRows **rows,
+                                LthEmbedding **embedding);
+void lth_embedding_rows_destroy(LitheCtx *ctx, LthEmbeddingRows **rows);
+
+/// Rows of the last lth_embedding_renew() that were taken from before.
+LitheIndex lth_embedding_rows_kept(const LthEmbeddingRows *rows);
+
 /// Weights of entry e of a sample: v[a] += weight of component a times u[a].
 static inline void lth_sample_add(const LthEmbedding *e, LitheCount entry, const double u[3],
                                   double v[3]) {

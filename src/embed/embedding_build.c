@@ -21,6 +21,8 @@ typedef struct Job {
   LthMls mls;
   LthInterpolation interpolation;
   const LitheIndex *point_sample; ///< sample at the point itself, -1; NULL: none (stitched)
+  LthKeptRows kept;
+  bool keeps; ///< rows are to be taken from before, or remembered for later
   Part *parts;
   int n_parts;
 } Job;
@@ -29,7 +31,10 @@ static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
   const double *x = job->e->rest + 3 * (size_t)p;
   LthWeightRow *row = &part->row;
   row->n = 0;
-  if (job->interpolation == LTH_EMBED_MLS) {
+  row->is_plain = false;
+  if (job->keeps && job->kept.is_kept[p]) {
+    LITHE_TRY(lth_kept_rows_take(job->ctx, &job->kept, p, row));
+  } else if (job->interpolation == LTH_EMBED_MLS) {
     LITHE_TRY(lth_mls_weights(job->ctx, &job->mls, &part->scratch, x, job->e->cell[p], row));
   } else if (job->point_sample[p] >= 0) {
     LITHE_TRY(lth_row_add(job->ctx, row, job->point_sample[p], 1));
@@ -38,6 +43,7 @@ static LitheStatus make_row(Job *job, Part *part, LitheIndex p) {
         lth_mean_value_weights(job->ctx, job->e->mesh, job->samples, x, job->e->cell[p], row));
   }
   lth_row_sort(row);
+  if (job->keeps) lth_kept_rows_note(&job->kept, p, row);
   job->e->off[p + 1] = row->n;
   for (LitheIndex i = 0; i < row->n; i++)
     LITHE_TRY(lth_row_add(job->ctx, &part->all, row->sample[i], row->weight[i]));
@@ -230,16 +236,19 @@ static void free_job(Job *job, LitheIndex *point_sample) {
   }
   lth_free(job->ctx, job->parts);
   lth_free(job->ctx, point_sample);
+  lth_kept_rows_free(job->ctx, &job->kept);
   lth_mls_free(job->ctx, &job->mls);
   lth_samples_destroy(job->ctx, &job->samples);
 }
 
 static LitheStatus build(LitheCtx *ctx, const LthDgSpace *space, LthEmbedding *e,
-                         LthInterpolation interpolation, LthSamples samples) {
+                         LthInterpolation interpolation, LthSamples samples,
+                         const LitheIndex *cell_record, LthEmbeddingRows **rows) {
   LitheStatus status = LITHE_OK;
   LitheIndex *point_sample = NULL;
   Job job = {.ctx = ctx, .e = e, .interpolation = interpolation};
   const LthMesh *mesh = e->mesh;
+  job.keeps = rows && interpolation == LTH_EMBED_MLS;
   if (interpolation == LTH_EMBED_MLS) {
     LITHE_TRY_OR(done, lth_samples_create(ctx, mesh, samples, &job.samples));
     LITHE_TRY_OR(done, lth_mls_create(ctx, mesh, job.samples, &job.mls));
@@ -248,19 +257,23 @@ static LitheStatus build(LitheCtx *ctx, const LthDgSpace *space, LthEmbedding *e
     LITHE_TRY_OR(done, match_points(ctx, e, job.samples, &point_sample));
     job.point_sample = point_sample;
   }
+  if (job.keeps)
+    LITHE_TRY_OR(done, lth_kept_rows_find(ctx, &job.mls, e, cell_record, *rows, &job.kept));
   LITHE_TRY_OR(done, make_rows(&job));
   LITHE_TRY_OR(done, add_own_samples(&job));
   LITHE_TRY_OR(done, join_rows(&job));
   LITHE_TRY_OR(done, make_averages(ctx, space, job.samples, e));
+  if (job.keeps) LITHE_TRY_OR(done, lth_kept_rows_finish(ctx, &job.kept, e, rows));
 done:
   free_job(&job, point_sample);
   return status;
 }
 
-LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
-                                 const double *points, const LitheIndex *point_cell,
-                                 LthInterpolation interpolation, LthSamples samples,
-                                 LthEmbedding **embedding) {
+static LitheStatus create(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
+                          const double *points, const LitheIndex *point_cell,
+                          LthInterpolation interpolation, LthSamples samples,
+                          const LitheIndex *cell_record, LthEmbeddingRows **rows,
+                          LthEmbedding **embedding) {
   LitheStatus status = LITHE_OK;
   LthEmbedding *e = NULL;
   *embedding = NULL;
@@ -275,9 +288,25 @@ LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIn
   LTH_NEW_OR(done, ctx, e->off, (LitheCount)n + 1);
   memcpy(e->rest, points, sizeof *points * 3 * (size_t)n);
   LITHE_TRY_OR(done, lth_embedding_find_cells(ctx, e, point_cell));
-  LITHE_TRY_OR(done, build(ctx, space, e, interpolation, samples));
+  LITHE_TRY_OR(done, build(ctx, space, e, interpolation, samples, cell_record, rows));
 done:
   if (status != LITHE_OK) lth_embedding_destroy(ctx, &e);
   *embedding = e;
   return status;
+}
+
+LitheStatus lth_embedding_create(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
+                                 const double *points, const LitheIndex *point_cell,
+                                 LthInterpolation interpolation, LthSamples samples,
+                                 LthEmbedding **embedding) {
+  return create(ctx, space, n, points, point_cell, interpolation, samples, NULL, NULL, embedding);
+}
+
+LitheStatus lth_embedding_renew(LitheCtx *ctx, const LthDgSpace *space, LitheIndex n,
+                                const double *points, const LitheIndex *point_cell,
+                                LthInterpolation interpolation, LthSamples samples,
+                                const LitheIndex *cell_record, LthEmbeddingRows **rows,
+                                LthEmbedding **embedding) {
+  return create(ctx, space, n, points, point_cell, interpolation, samples, cell_record, rows,
+                embedding);
 }

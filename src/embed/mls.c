@@ -14,6 +14,8 @@
 #define BISECTIONS 4
 #define GROWTH 1.5
 #define GROWTHS 3
+#define MOST_GROWN 3.375 ///< GROWTH to the power of GROWTHS
+#define INSIDE 1e-6      ///< of the way to the middle of a cell: off the cut that a place lies on
 
 LitheStatus lth_row_add(LitheCtx *ctx, LthWeightRow *row, LitheIndex sample, double weight) {
   LTH_RESERVE(ctx, row->sample, row->cap, (LitheCount)row->n + 1);
@@ -60,6 +62,33 @@ done:
   return status;
 }
 
+static void move_inside(double x[3], const double middle[3]) {
+  lth_v3_scale(1 - INSIDE, x);
+  lth_v3_axpy(INSIDE, middle, x);
+}
+
+/// What is needed to see around the ends of cuts, where there are any.
+static LitheStatus prepare_sight(LitheCtx *ctx, LthMls *mls) {
+  const LthMesh *m = mls->mesh;
+  const LthSampleSet *set = mls->samples;
+  LITHE_TRY(lth_visibility_create(ctx, m, &mls->sight));
+  if (mls->sight.n_fronts == 0) return LITHE_OK;
+  LTH_NEW(ctx, mls->cell_front, m->n_cells);
+  LTH_NEW(ctx, mls->sample_inside, 3 * (LitheCount)set->n);
+  for (LitheIndex c = 0; c < m->n_cells; c++) {
+    mls->cell_front[c] = lth_visibility_front(&mls->sight, m->cell_box + 6 * (size_t)c);
+    mls->largest_radius = fmax(mls->largest_radius, mls->cell_radius[c]);
+  }
+  for (LitheIndex i = 0; i < set->n; i++) {
+    double middle[3] = {0, 0, 0}, share = 1.0 / (double)(set->cell_off[i + 1] - set->cell_off[i]);
+    for (LitheCount k = set->cell_off[i]; k < set->cell_off[i + 1]; k++)
+      lth_v3_axpy(share, m->cell_centroid + 3 * (size_t)set->cell[k], middle);
+    lth_v3_copy(set->point + 3 * (size_t)i, mls->sample_inside + 3 * (size_t)i);
+    move_inside(mls->sample_inside + 3 * (size_t)i, middle);
+  }
+  return LITHE_OK;
+}
+
 LitheStatus lth_mls_create(LitheCtx *ctx, const LthMesh *mesh, const LthSampleSet *samples,
                            LthMls *mls) {
   *mls = (LthMls){.mesh = mesh, .samples = samples};
@@ -68,13 +97,16 @@ LitheStatus lth_mls_create(LitheCtx *ctx, const LthMesh *mesh, const LthSampleSe
   for (LitheIndex c = 0; c < mesh->n_cells; c++)
     for (LitheCount e = samples->of_cell_off[c]; e < samples->of_cell_off[c + 1]; e++)
       mls->cell_radius[c] = fmax(mls->cell_radius[c], samples->radius[samples->of_cell[e]]);
-  return LITHE_OK;
+  return prepare_sight(ctx, mls);
 }
 
 void lth_mls_free(LitheCtx *ctx, LthMls *mls) {
   lth_free(ctx, mls->neighbor_off);
   lth_free(ctx, mls->neighbor);
   lth_free(ctx, mls->cell_radius);
+  lth_visibility_free(ctx, &mls->sight);
+  lth_free(ctx, mls->cell_front);
+  lth_free(ctx, mls->sample_inside);
 }
 
 LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s) {
@@ -84,6 +116,10 @@ LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScrat
   LTH_NEW(ctx, s->sample_mark, mls->samples->n);
   LTH_NEW(ctx, s->candidate, mls->samples->n);
   LTH_NEW(ctx, s->theta, mls->samples->n);
+  if (!mls->cell_front) return LITHE_OK;
+  LTH_NEW(ctx, s->way, mls->samples->n);
+  LTH_NEW(ctx, s->way_sample, mls->samples->n);
+  for (LitheIndex i = 0; i < mls->samples->n; i++) s->way[i] = -1;
   return LITHE_OK;
 }
 
@@ -93,11 +129,38 @@ void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
   lth_free(ctx, s->sample_mark);
   lth_free(ctx, s->candidate);
   lth_free(ctx, s->theta);
+  lth_free(ctx, s->way);
+  lth_free(ctx, s->way_sample);
 }
 
 /// A Gaussian less its tangent in d^2 at d = 1, so that value and slope vanish there: cut off with a slope, it would
 /// leave a kink in the surface wherever a sample's reach ends.
 static double weight(double d) { return exp(-4.5 * d * d) - THETA_END * (1 + 4.5 * (1 - d * d)); }
+
+/// Begin with a point: nothing is known of ways from it.
+static void begin_ways(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell) {
+  if (!mls->cell_front) return;
+  while (s->n_ways > 0) s->way[s->way_sample[--s->n_ways]] = -1;
+  s->front = mls->cell_front[cell];
+  lth_v3_copy(x, s->inside);
+  move_inside(s->inside, mls->mesh->cell_centroid + 3 * (size_t)cell);
+}
+
+/// Distance of a sample from x, `straight` or around the ends of cuts; what is beyond `reach` may have any beyond it.
+static double find_way(const LthMls *mls, LthMlsScratch *s, LitheIndex i, double straight,
+                       double reach) {
+  const double *to = mls->sample_inside + 3 * (size_t)i;
+  if (!(straight < reach)) return straight;
+  if (s->way[i] >= 0) return s->way[i];
+  bool is_hidden = lth_visibility_is_hidden(&mls->sight, s->inside, to);
+  if (is_hidden && s->front >= reach) return INFINITY;
+  s->way_sample[s->n_ways++] = i;
+  s->way[i] = straight;
+  if (is_hidden)
+    s->way[i] = fmax(straight, lth_visibility_way(&mls->sight, s->inside, to,
+                                                  MOST_GROWN * mls->samples->radius[i]));
+  return s->way[i];
+}
 
 /// Samples within `grown` times their radius of x, of cells connected to `cell` within reach. Sets
 /// candidate and theta; returns their number.
@@ -105,6 +168,7 @@ static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3],
                          double grown) {
   const LthSampleSet *set = mls->samples;
   LitheIndex head = 0, tail = 0, n = 0;
+  bool has_ways = mls->cell_front && mls->cell_front[cell] < grown * mls->largest_radius;
   s->stamp++;
   s->queue[tail++] = cell;
   s->cell_mark[cell] = s->stamp;
@@ -114,7 +178,10 @@ static LitheIndex gather(const LthMls *mls, LthMlsScratch *s, const double x[3],
       LitheIndex i = set->of_cell[e];
       if (s->sample_mark[i] == s->stamp) continue;
       s->sample_mark[i] = s->stamp;
-      double d = lth_v3_distance(x, set->point + 3 * (size_t)i) / (grown * set->radius[i]);
+      double reach = grown * set->radius[i];
+      double d = lth_v3_distance(x, set->point + 3 * (size_t)i);
+      if (has_ways) d = find_way(mls, s, i, d, reach);
+      d /= reach;
       if (!(d < 1)) continue;
       s->theta[n] = weight(d);
       s->candidate[n++] = i;
@@ -184,8 +251,8 @@ static bool fit(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheInd
 }
 
 /// The smallest growth of the radii that gives a good fit, to a few percent: it changes gradually from
-/// point to point, and so does the surface.
-static void find_fit(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
+/// point to point, and so does the surface. True where they need not grow.
+static bool find_fit(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell,
                      Fit *f) {
   double high = 1, low = 1;
   bool good = fit(mls, s, x, cell, high, f);
@@ -194,7 +261,7 @@ static void find_fit(const LthMls *mls, LthMlsScratch *s, const double x[3], Lit
     high *= GROWTH;
     good = fit(mls, s, x, cell, high, f);
   }
-  if (!good || high == low) return;
+  if (!good || high == low) return good;
   for (int k = 0; k < BISECTIONS; k++) {
     double middle = sqrt(low * high);
     if (fit(mls, s, x, cell, middle, f))
@@ -203,6 +270,7 @@ static void find_fit(const LthMls *mls, LthMlsScratch *s, const double x[3], Lit
       low = middle;
   }
   fit(mls, s, x, cell, high, f);
+  return false;
 }
 
 /// weight_i += theta_i / m0 (a + g . (x_i - c)) with the a and g that make up for what the weights miss of
@@ -230,7 +298,8 @@ LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, 
                             LitheIndex cell, LthWeightRow *row) {
   Fit f;
   row->n = 0;
-  find_fit(mls, s, x, cell, &f);
+  begin_ways(mls, s, x, cell);
+  row->is_plain = find_fit(mls, s, x, cell, &f);
   if (!(f.condition < INFINITY) || !(f.leverage < LEVERAGE_MAX)) return LITHE_OK;
   for (LitheIndex i = 0; i < f.n; i++) LITHE_TRY(lth_row_add(ctx, row, s->candidate[i], 0));
   add_correction(mls, s, x, &f, row->weight);

@@ -102,6 +102,16 @@ LitheStatus lth_build_points(LitheCtx *ctx, const LthBody *body, LitheIndex n, c
                               body->def->samples, embedding);
 }
 
+/// The points of the surface: those of a body whose elements change take rows over that stay the same.
+static LitheStatus embed_points(LitheCtx *ctx, LthBody *body, const LitheIndex *cells) {
+  const LthSoup *soup = body->soup;
+  if (!body->space || !body->change)
+    return lth_build_points(ctx, body, soup->n_points, soup->points, cells, &body->embedding);
+  return lth_embedding_renew(ctx, body->space, soup->n_points, soup->points, cells,
+                             body->def->interpolation, body->def->samples,
+                             body->change->cell_record, &body->change->rows, &body->embedding);
+}
+
 static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   LitheStatus status = LITHE_OK;
   LitheIndex *cells = NULL;
@@ -109,8 +119,7 @@ static LitheStatus embed_surface(LitheCtx *ctx, LthBody *body) {
   if (!body->sim) warn_of_far_points(ctx, body);
   LTH_NEW_OR(done, ctx, cells, body->soup->n_points);
   LITHE_TRY_OR(done, known_cells(ctx, body, cells));
-  LITHE_TRY_OR(done, lth_build_points(ctx, body, body->soup->n_points, body->soup->points, cells,
-                                      &body->embedding));
+  LITHE_TRY_OR(done, embed_points(ctx, body, cells));
   LITHE_TRY_OR(done, lth_embedding_set_area(ctx, body->embedding, body->soup->n_polys,
                                             body->soup->poly_off, body->soup->poly_point));
 

@@ -57,6 +57,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   lth_cut_surface_end(ctx, &c->surface);
   lth_topology_destroy(ctx, &c->topology);
   lth_dg_store_destroy(ctx, &c->store);
+  lth_embedding_rows_destroy(ctx, &c->rows);
   if (c->refinement) lth_refinement_free(ctx, c->refinement);
   lth_free(ctx, c->refinement);
   void *blocks[] = {c->cell_record, c->face_record, c->record_cell, c->level, c->degree,

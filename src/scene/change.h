@@ -46,6 +46,8 @@ struct LthBodyChange {
   LthCutSurface
       *surface;      ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
   LthDgStore *store; ///< integrals by record
+  LthEmbeddingRows
+      *rows; ///< of the embedded surface, those of the mesh before; NULL: nothing is embedded
 
   bool is_running; ///< the run has begun: from now on selections may be of nothing
   LthLoss *losses; ///< once each, in order

@@ -233,6 +233,170 @@ static void points_of_a_front_have_one_side(void **state) {
   free_cut(&c);
 }
 
+/// A plate of 8 x 6 x 2 cells of size 1, cut along y = 2.5 from its left up to x = 4.
+static Cut cracked_plate(void) {
+  LitheCtx *ctx = test_ctx();
+  LthGrid plate = {.min = {0, 0, 0}, .max = {8, 6, 2}, .cells = {8, 6, 2}};
+  LthMesh *mesh = NULL;
+  CHECK_OK(ctx, lth_mesh_hexahedra(ctx, &plate, &mesh));
+  LthPlane plane = {{0, 2.5, 1}, {0, 1, 0}};
+  return cut_mesh(ctx, mesh, 1, &plane, 4.1);
+}
+
+/// Embed n places, each in the element around it (on the cut: above it where `above`).
+static LthEmbedding *embed_places(const Cut *c, LitheIndex n, double *x, const bool *above) {
+  LthEmbedding *e = NULL;
+  LitheIndex *cell = calloc((size_t)n, sizeof *cell);
+  for (LitheIndex p = 0; p < n; p++) {
+    double in[3] = {x[3 * p], x[3 * p + 1] + (above[p] ? 1e-6 : -1e-6), x[3 * p + 2]};
+    bool inside = false;
+    CHECK_OK(c->ctx, lth_find_cell(c->ctx, c->mesh, in, &cell[p], &inside));
+    assert_true(inside);
+  }
+  CHECK_OK(c->ctx,
+           lth_embedding_create(c->ctx, c->space, n, x, cell, LTH_EMBED_MLS, LTH_SAMPLE_NODES, &e));
+  free(cell);
+  return e;
+}
+
+/// Share of a point's weights, in absolute value, that elements beyond the cut have behind its front.
+static double share_beyond(const Cut *c, const LthEmbedding *e, LitheIndex p, bool above) {
+  double all = 0, beyond = 0;
+  for (LitheCount i = e->off[p]; i < e->off[p + 1]; i++) {
+    LitheIndex s = e->sample[i];
+    double n = (double)(e->sample_row_off[s + 1] - e->sample_row_off[s]);
+    for (LitheCount k = e->sample_row_off[s]; k < e->sample_row_off[s + 1]; k++) {
+      const double *middle = c->mesh->cell_centroid + 3 * e->sample_row[k];
+      bool is_beyond = middle[0] < 4 && (middle[1] > 2.5) != above;
+      all += fabs(e->weight[i]) / n;
+      beyond += is_beyond * fabs(e->weight[i]) / n;
+    }
+  }
+  return beyond / all;
+}
+
+/// Along both faces of a cut the other side counts less and less, and nothing from half a radius behind the front on:
+/// there and back is a radius.
+static void sides_do_not_mix_behind_a_front(void **state) {
+  (void)state;
+  Cut c = cracked_plate();
+  enum { N = 40 };
+  double x[2 * N * 3];
+  bool above[2 * N];
+  for (LitheIndex k = 0; k < 2 * N; k++) {
+    above[k] = k >= N;
+    x[3 * k] = 4 - 0.1 * (k % N), x[3 * k + 1] = 2.5, x[3 * k + 2] = 0.8;
+  }
+  LthEmbedding *e = embed_places(&c, 2 * N, x, above);
+  for (LitheIndex k = 0; k < 2 * N; k++) {
+    double share = share_beyond(&c, e, k, above[k]), behind = 4 - x[3 * k];
+    double before = k % N ? share_beyond(&c, e, k - 1, above[k]) : 1;
+    assert_true(share <= before + 0.02);
+    if (behind > 2.01) assert_true(share == 0);
+  }
+  lth_embedding_destroy(c.ctx, &e);
+  free_cut(&c);
+}
+
+/// The largest change of a weight from place to place on a circle around the front, from one side of the cut to the other.
+static double largest_change(const Cut *c, LitheIndex n) {
+  double *x = calloc(3 * (size_t)n, sizeof *x), largest = 0;
+  bool *above = calloc((size_t)n, sizeof *above);
+  for (LitheIndex k = 0; k < n; k++) {
+    double angle = M_PI * (2.0 * k / (n - 1) - 1);
+    x[3 * k] = 4.03 + 0.45 * cos(angle), x[3 * k + 1] = 2.5 + 0.45 * sin(angle);
+    x[3 * k + 2] = 0.8;
+    if (k == 0 || k == n - 1) x[3 * k + 1] = 2.5;
+    above[k] = angle > 0;
+  }
+  LthEmbedding *e = embed_places(c, n, x, above);
+  double *w[2];
+  for (int i = 0; i < 2; i++) w[i] = calloc((size_t)e->n_funcs, sizeof *w[i]);
+  for (LitheIndex k = 0; k < n; k++) {
+    lth_embedding_weights(e, k, w[k % 2]);
+    for (LitheIndex i = 0; k > 0 && i < e->n_funcs; i++)
+      largest = fmax(largest, fabs(w[0][i] - w[1][i]));
+  }
+  for (int i = 0; i < 2; i++) free(w[i]);
+  lth_embedding_destroy(c->ctx, &e);
+  free(x);
+  free(above);
+  return largest;
+}
+
+static void weights_pass_smoothly_around_a_front(void **state) {
+  (void)state;
+  Cut c = cracked_plate();
+  double coarse = largest_change(&c, 200), fine = largest_change(&c, 1600);
+  print_message("%g %g\n", coarse, fine);
+  assert_true(fine < coarse / 4);
+  free_cut(&c);
+}
+
+static LthEmbedding *renew_ball(const Cut *c, const LthTopology *t, const LthSurface *s,
+                                LthMesh **mesh, LthDgSpace **space, LthEmbeddingRows **rows) {
+  LitheIndex *record = NULL, *cell = calloc((size_t)s->n_points, sizeof *cell);
+  LthEmbedding *e = NULL;
+  CHECK_OK(c->ctx, lth_topology_mesh(c->ctx, t, 0, NULL, mesh, &record, NULL));
+  CHECK_OK(c->ctx, lth_dg_space_create(c->ctx, *mesh, 1, NULL, space));
+  CHECK_OK(c->ctx, lth_surface_point_cells(c->ctx, *mesh, cell));
+  CHECK_OK(c->ctx, lth_embedding_renew(c->ctx, *space, s->n_points, s->points, cell, LTH_EMBED_MLS,
+                                       LTH_SAMPLE_FACES, record, rows, &e));
+  lth_free(c->ctx, record);
+  free(cell);
+  return e;
+}
+
+/// Few cells at a time are divided, cut or merged: rows are taken from before, and all are those of an embedding from nothing.
+static void rows_that_are_kept_are_what_they_would_be(void **state) {
+  (void)state;
+  Cut c = {.ctx = test_ctx()};
+  LthSurface *s = solid_sphere(c.ctx, 24);
+  LthTopology *t = NULL;
+  LthMesh *mesh = NULL;
+  LthEmbeddingRows *rows = NULL;
+  LthGrid g = cubic_grid(s, 12);
+  uint64_t random = 7;
+  LitheCount n_kept = 0, n_points = 0;
+  LthPlane last = {{0, 0, 0}, {1, 0, 0}};
+  TopologyRun run = {0};
+  CHECK_OK(c.ctx, lth_mesh_slice(c.ctx, s, &g, 0.05, &mesh));
+  CHECK_OK(c.ctx, lth_topology_create(c.ctx, mesh, &t));
+  lth_mesh_destroy(c.ctx, &mesh);
+  for (int turn = 0; turn < 6; turn++) {
+    LthDgSpace *space = NULL;
+    LthEmbedding *full = NULL;
+    LthEmbeddingRows *none = NULL;
+    LthEmbedding *kept = renew_ball(&c, t, s, &mesh, &space, &rows);
+    n_kept += lth_embedding_rows_kept(rows);
+    n_points += turn > 0 ? s->n_points : 0;
+    lth_dg_space_destroy(c.ctx, &space);
+    lth_mesh_destroy(c.ctx, &mesh);
+    full = renew_ball(&c, t, s, &mesh, &space, &none);
+    assert_int_equal(lth_embedding_rows_kept(none), 0);
+    assert_int_equal(kept->n_samples, full->n_samples);
+    size_t n = (size_t)full->off[full->n_points];
+    assert_memory_equal(kept->off, full->off, sizeof *full->off * ((size_t)s->n_points + 1));
+    assert_memory_equal(kept->sample, full->sample, sizeof *full->sample * n);
+    assert_memory_equal(kept->weight, full->weight, sizeof *full->weight * n);
+    lth_embedding_rows_destroy(c.ctx, &none);
+    lth_embedding_destroy(c.ctx, &kept);
+    lth_embedding_destroy(c.ctx, &full);
+    lth_dg_space_destroy(c.ctx, &space);
+    lth_mesh_destroy(c.ctx, &mesh);
+    if (turn % 3 == 1) continue; // nothing happened
+    for (int i = 0; i < 2; i++) topology_random_operation(c.ctx, t, &last, 4, &random, &run);
+    CHECK_OK(c.ctx, lth_topology_forget(c.ctx, t));
+  }
+  print_message("%lld of %lld rows kept\n", (long long)n_kept, (long long)n_points);
+  assert_true(n_kept > n_points / 3);
+  lth_embedding_rows_destroy(c.ctx, &rows);
+  lth_topology_destroy(c.ctx, &t);
+  solid_free(c.ctx, &s);
+  assert_int_equal(lth_alloc_bytes(c.ctx), 0);
+  lithe_ctx_destroy(&c.ctx);
+}
+
 static void no_point_of_a_whole_body_is_parted(void **state) {
   (void)state;
   for (int kind = 0; kind < TOPOLOGY_SOLIDS; kind++) {
@@ -292,6 +456,9 @@ int main(void) {
       cmocka_unit_test(ends_of_a_ring_do_not_see_each_other),
       cmocka_unit_test(points_of_a_front_have_one_side),
       cmocka_unit_test(no_point_of_a_whole_body_is_parted),
+      cmocka_unit_test(rows_that_are_kept_are_what_they_would_be),
+      cmocka_unit_test(sides_do_not_mix_behind_a_front),
+      cmocka_unit_test(weights_pass_smoothly_around_a_front),
       cmocka_unit_test(nodes_stand_on_both_sides),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,38 @@
+/// What the faces of cuts hide: where a cut ends inside a body, its two sides are as far from each other as the way around
+/// its front (Organ, Fleming, Terry and Belytschko 1996: the diffraction method for cracks).
+#pragma once
+
+#include "geometry/bvh.h"
+#include "mesh/mesh.h"
+
+/// An edge that ways lead around: the front of a cut, or a bend of it.
+typedef struct LthWayEdge {
+  double end[2][3];
+  double along[3], length; ///< unit, from the first end; [m]
+  double away[3];          ///< a little away from the cut faces at it
+} LthWayEdge;
+
+/// Nothing of it exists where no cut ends inside: then elements that hang together see each other.
+typedef struct LthVisibility {
+  LitheIndex n_tris, n_edges;
+  double *tri;       ///< corners of cut faces' triangles [m]             (n_tris x 9)
+  LthBvh *bvh;       ///< over them
+  LthWayEdge *edges; ///< those of fronts first
+  LitheIndex n_fronts;
+  LitheCount cap_tri, cap_edges;
+} LthVisibility;
+
+LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *visibility);
+void lth_visibility_free(LitheCtx *ctx, LthVisibility *visibility);
+
+/// Distance from a box (min, max) to the nearest front, or less; INFINITY: there is none.
+double lth_visibility_front(const LthVisibility *visibility, const double box[6]);
+
+/// Does a cut lie between two places?
+bool lth_visibility_is_hidden(const LthVisibility *visibility, const double a[3],
+                              const double b[3]);
+
+/// Length of the way from a to b around the ends of cuts, at most two of them; INFINITY where there is none shorter than
+/// `limit`.
+double lth_visibility_way(const LthVisibility *visibility, const double a[3], const double b[3],
+                          double limit);
