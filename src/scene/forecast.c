@@ -23,7 +23,7 @@
 #define GRID_CELL 190.0
 #define GRID_COARSER 1.2
 #define GRID_CLUSTERS 105.0
-#define GRID_OUTPUT 3.7e7   // buffers of files that are written
+#define GRID_OUTPUT 2.5e7   // buffers of files that are written
 #define GRID_THIN 0.4       // share of cut cells from which a body is thin
 #define MIXED_SECONDS 6e-6  // and that of the mixed form
 #define MIXED_UNKNOWN 237.0 // vectors over unknowns
