@@ -164,6 +164,18 @@ with folder() as d:
     expect("what_a_carve_takes_away_takes_its_surface_along", not left.open_edges() and abs(left.volume() / cap - 1) < 0.04,
            (left.volume(), cap))
 
+with folder() as d:
+    write(d, "sheet.obj", "v 0 0.05 0\nv 0.2 0.05 0\nv 0.2 0.05 0.1\nv 0 0.05 0.1\nf 1 2 3 4\n")
+    head, tail = BLOCK.replace("ball.obj", "sheet.obj").split("cuts:")
+    cut = "cuts:\n  - {at: 0.031, plane: {point: [0.12, 0.05, 0.05], normal: [1, 0.1, 0.2]}, space: rest}\ntime:"
+    result = solve(d, head.replace("initial: {velocity: [0.3, -0.1, 0.1]}", "") + cut + tail.split("time:")[1])
+    before, after = (Surface(os.path.join(d, "out", "surface_%04d.obj" % i)) for i in (3, 6))
+    expect("a_sheet_is_shown_until_a_cut", len(before.polys) == 1 and len(before.x) == 4, before.polys)
+    expect("then_the_boundary_of_the_body_is", not after.open_edges() and after.parts() == 2 and
+           abs(after.volume() / result["bodies"][0]["volume"] - 1) < 1e-3, (after.open_edges(), after.parts(), after.volume()))
+    expect("behind_the_points_of_the_sheet", all(math.dist(p, q) < 1e-2 for p, q in zip(before.x, after.x)), after.x[:4])
+    expect("and_a_warning_says_so", any("not closed" in w for w in result["warnings"]), result["warnings"])
+
 check_resumes("cut ball", BALL, [(2, signal.SIGKILL), (4, signal.SIGKILL), (6, signal.SIGINT)])
 with folder() as d:
     ball(os.path.join(d, "ball.obj"), (0.1, 0.052, 0.05), 0.047)
