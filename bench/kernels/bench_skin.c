@@ -14,7 +14,8 @@ enum { RUNS = 5 };
 
 typedef struct Row {
   LitheIndex n_cells, n_split, n_new, n_caps;
-  double begin, cut, follow, update, embed; ///< [s]
+  double begin, cut, follow, update, embed, renew; ///< [s]
+  LitheIndex n_kept;
 } Row;
 
 typedef struct Shape {
@@ -69,8 +70,9 @@ static LitheStatus cut(LitheCtx *ctx, LthTopology *t, Row *row) {
   return status;
 }
 
-/// All points embedded anew, each in a cell that the skin knows.
-static LitheStatus embed(LitheCtx *ctx, const LthTopology *t, const LthSkin *skin, Row *row) {
+/// All points embedded anew, each in a cell that the skin knows: from nothing (NULL rows), or with rows of before.
+static LitheStatus embed(LitheCtx *ctx, const LthTopology *t, const LthSkin *skin,
+                         LthEmbeddingRows **rows, double *time) {
   LitheStatus status = LITHE_OK;
   LthMesh *mesh = NULL;
   LthDgSpace *space = NULL;
@@ -84,9 +86,14 @@ static LitheStatus embed(LitheCtx *ctx, const LthTopology *t, const LthSkin *ski
   for (LitheIndex i = 0; i < skin->soup->n_points; i++)
     cell[i] = skin->cell[i] >= 0 ? place[skin->cell[i]] : -1;
   double start = lth_now();
-  LITHE_TRY_OR(done, lth_embedding_create(ctx, space, skin->soup->n_points, skin->soup->points,
-                                          cell, LTH_EMBED_MLS, LTH_SAMPLE_NODES, &e));
-  keep(&row->embed, lth_now() - start);
+  const LthSoup *soup = skin->soup;
+  if (rows)
+    LITHE_TRY_OR(done, lth_embedding_renew(ctx, space, soup->n_points, soup->points, cell,
+                                           LTH_EMBED_MLS, LTH_SAMPLE_NODES, record, rows, &e));
+  else
+    LITHE_TRY_OR(done, lth_embedding_create(ctx, space, soup->n_points, soup->points, cell,
+                                            LTH_EMBED_MLS, LTH_SAMPLE_NODES, &e));
+  if (time) keep(time, lth_now() - start);
 done:
   lth_embedding_destroy(ctx, &e);
   lth_dg_space_destroy(ctx, &space);
@@ -101,11 +108,14 @@ static LitheStatus time_once(LitheCtx *ctx, const Shape *s, Row *row) {
   LitheStatus status = LITHE_OK;
   LthTopology *t = NULL;
   LthSkin *skin = NULL;
+  LthEmbeddingRows *rows = NULL;
   LITHE_TRY_OR(done, lth_topology_create(ctx, s->mesh, &t));
   row->n_cells = t->n_live_cells;
   double at[5] = {lth_now()};
   LITHE_TRY_OR(done, begin(ctx, s, t, &skin));
   at[1] = lth_now();
+  LITHE_TRY_OR(done, embed(ctx, t, skin, &rows, NULL));
+  double before_cut = lth_now();
   LITHE_TRY_OR(done, cut(ctx, t, row));
   at[2] = lth_now();
   LITHE_TRY_OR(done, lth_skin_follow(ctx, skin, t));
@@ -113,11 +123,14 @@ static LitheStatus time_once(LitheCtx *ctx, const Shape *s, Row *row) {
   LITHE_TRY_OR(done, lth_skin_update(ctx, skin, t));
   at[4] = lth_now();
   double *to[4] = {&row->begin, &row->cut, &row->follow, &row->update};
-  for (int i = 0; i < 4; i++) keep(to[i], at[i + 1] - at[i]);
+  for (int i = 0; i < 4; i++) keep(to[i], at[i + 1] - (i == 1 ? before_cut : at[i]));
   row->n_new = skin->soup->n_points - s->soup->n_points;
   row->n_caps = skin->n_caps;
-  status = embed(ctx, t, skin, row);
+  LITHE_TRY_OR(done, embed(ctx, t, skin, NULL, &row->embed));
+  LITHE_TRY_OR(done, embed(ctx, t, skin, &rows, &row->renew));
+  row->n_kept = lth_embedding_rows_kept(rows);
 done:
+  lth_embedding_rows_destroy(ctx, &rows);
   lth_skin_destroy(ctx, &skin);
   lth_topology_destroy(ctx, &t);
   return status;
@@ -131,15 +144,15 @@ static LitheStatus time_all(LitheCtx *ctx, const char *file) {
   LITHE_TRY_OR(done, lth_surface_from_soup(ctx, s.soup, file, NULL, &s.surface));
   printf(
       "%d polygons\nelements  split  new points   caps  begin [ms]  elements    follow    polygons "
-      "     embed\n",
+      "     embed     renew    kept\n",
       s.soup->n_polys);
   for (int i = 0; i < 4; i++) {
     Row row = {0};
     LITHE_TRY_OR(done, slice(ctx, sizes[i], &s));
     for (int k = 0; k < RUNS; k++) LITHE_TRY_OR(done, time_once(ctx, &s, &row));
-    printf("%8d %6d %11d %6d %11.2f %9.2f %9.2f %11.2f %10.2f\n", row.n_cells, row.n_split,
-           row.n_new, row.n_caps, 1e3 * row.begin, 1e3 * row.cut, 1e3 * row.follow,
-           1e3 * row.update, 1e3 * row.embed);
+    printf("%8d %6d %11d %6d %11.2f %9.2f %9.2f %11.2f %10.2f %9.2f %7d\n", row.n_cells,
+           row.n_split, row.n_new, row.n_caps, 1e3 * row.begin, 1e3 * row.cut, 1e3 * row.follow,
+           1e3 * row.update, 1e3 * row.embed, 1e3 * row.renew, row.n_kept);
     lth_mesh_destroy(ctx, &s.mesh);
   }
 done:
