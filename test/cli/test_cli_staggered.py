@@ -1,4 +1,5 @@
 """Staggered bodies from outside: exact solutions, the numbers of the thesis' tables, files that VTK reads, bad input."""
+import csv
 import gzip
 import json
 import math
@@ -339,6 +340,41 @@ RADIAL = "{intersection: [{annulus: {center: [0, 0], inner: 0.5, outer: 1}}, {bo
 HOLE = "{difference: [{box: {min: [0, 0], max: [2, 2]}}, {disk: {center: [0, 0], radius: 0.5}}]}"
 
 
+# A quarter of a plate whose middle line alone is held upright, one face of the grid thick
+LINE = """lithe: 1
+bodies:
+  - name: plate
+    shape:
+      intersection:
+        - {box: {min: [0, 0, 0], max: [2, 2, 0.2]}}
+        - difference:
+            - {cylinder: {from: [0, 0, 0], to: [0, 0, 0.2], radius: 1}}
+            - {cylinder: {from: [0, 0, -1], to: [0, 0, 1], radius: 0.4}}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}
+    method: {kind: staggered, cells: 32}
+    constraints:
+      - {where: {normal: [-1, 0, 0], within: 2 deg}, displacement: [0, null, null]}
+      - {where: {normal: [0, -1, 0], within: 2 deg}, displacement: [null, 0, null]}
+      - {where: {and: [{implicit: "0.81-x^2-y^2"}, {normal: [1, 1, 0], within: 60 deg}]}, displacement: [0, 0, null]}
+      - where: {and: [{implicit: "0.81-x^2-y^2"}, {box: {min: [-1, -1, 0.085], max: [2, 2, 0.115]}}]}
+        displacement: [null, null, 0]
+gravity: [0, 0, -9.81]
+time: {kind: static}
+output: {every: last, fields: none}
+"""
+
+
+def test_thin_hold():
+    """Coarse levels keep what a thin hold holds; without it, they would have a motion that nothing holds."""
+    with folder() as d:
+        write(d, "line.yaml", LINE)
+        for cells in (32, 64):
+            result(d, "line.yaml", "bodies.0.method.cells=%d" % cells)
+            with open(os.path.join(d, "out", "history.csv")) as file:
+                *_, last = csv.DictReader(file)
+            expect("thin_hold_%d" % cells, int(last["linear_iterations"]) <= 20, str(last))
+
+
 def fill(text):
     """Polynomials of angles in those of places."""
     for name, value in (("C2", "((x^2-y^2)/R^2)"), ("S2", "(2*x*y/R^2)"), ("C4", "(8*(x/R)^4-8*(x/R)^2+1)"),
@@ -505,6 +541,7 @@ test_thin()
 test_bunny()
 test_thesis()
 test_shell()
+test_thin_hold()
 test_smooth()
 test_free_boundaries()
 test_turned()

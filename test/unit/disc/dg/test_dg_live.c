@@ -176,15 +176,23 @@ static void check_live_near(const Case *c, const LthBlockMatrix *A, const Whole 
   CHECK_NEAR(all, used, 1e-12 * used);
 }
 
+/// Does a flat cell have axes of its own? Which ones depends on the order of its faces, where two are about as long.
+static bool any_turned(const LthDgSpace *space) {
+  for (LitheCount i = 0; i < 9 * (LitheCount)space->mesh->n_cells; i++)
+    if (i % 9 % 4 != 0 && space->axes[i] != 0) return true;
+  return false;
+}
+
 /// The live matrix and load are those of all elements integrated from scratch: with the same bases to rounding, 1e-12, of which
-/// needles of faces lose a digit; with bases from scratch, too, elements of degree 3 that fill little of their box another.
+/// needles of faces lose a digit; with bases from scratch, too, where they are the same, elements of degree 3 that fill little of their box another.
 static void check_live(Case *c, LthFlux flux, bool to_the_bit) {
   Whole same = build(c, flux, NULL, (LthDgStore *)(uintptr_t)lth_dg_live_store(c->live));
   Whole other = build(c, flux, NULL, NULL);
   const LthBlockMatrix *A = NULL;
   CHECK_OK(c->ctx, lth_dg_live_matrix(c->ctx, c->live, &A));
   check_live_near(c, A, &same, to_the_bit ? 0 : 1e-11);
-  check_live_near(c, A, &other, to_the_bit ? 0 : other.space->max_degree > 2 ? 1e-10 : 1e-11);
+  if (!any_turned(other.space))
+    check_live_near(c, A, &other, to_the_bit ? 0 : other.space->max_degree > 2 ? 1e-10 : 1e-11);
   free_whole(c->ctx, &same);
   free_whole(c->ctx, &other);
 }
