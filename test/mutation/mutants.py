@@ -35,7 +35,7 @@ CHECKS = {
     "live matrix": ["test_dg_live"],
     "kept integrals": ["test_dg_live", "test_renew"],
     "embedding": ["test_embedding", "test_embedding_cut", "test_skin", "test_embedding_sliced", "study kaufmann/fig5", "cli cut_surface"],
-    "contact of parts": ["test_fragments", "test_contact_pair", "test_step_contact"],
+    "contact of parts": ["test_contact_parts", "test_fragments", "test_contact_pair", "test_step_contact"],
     "ties": ["test_tie", "cli bodies"],
     "time steps": ["study validation/bar", "test_step_dynamic", "test_step_integrators"],
     "studies' own": ["study kaufmann/fig1", "study kaufmann/fig2"],
