@@ -106,7 +106,8 @@ static LthWindow facet_window(const LthSceneCut *cut, LitheIndex i, LthPlane *pl
   return lth_window_make(4, (const double *const[]){p, q, far[0], far[1]});
 }
 
-/// The plane halfway between two edges in a bend; false where the path goes straight on (or back).
+/// The plane halfway between two edges in a bend, as far from both as one can be: next to an edge it would be taken for it, and the
+/// edge would not end in the bend. False where the path goes straight on (or back).
 static bool bend_plane(const LthSceneCut *cut, LitheIndex i, LthPlane *plane) {
   double a[3], b[3], turn[3], along[3];
   lth_v3_sub(cut->path[i], cut->path[i - 1], a);

@@ -19,6 +19,7 @@ from mutants import CHECKS, MUTANTS, SHORT
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HOME = ROOT / "build" / "mutation"
 TREE, BUILD, SCRATCH, KNOWN = HOME / "tree", HOME / "build", HOME / "scratch", HOME / "found.json"
+NOTHING = "**nothing: "  # of a row: no check has found it
 PATIENCE = 300  # seconds: a check that takes longer has not ended, and that is a failure
 
 
@@ -165,17 +166,46 @@ def check_unchanged(chosen, args):
     return good
 
 
-def write_table(path, rows, seconds):
-    found = sum(r[2] == "found" for r in rows)
+def table_row(group, mutant, verdict, by, why):
+    """Cells of the table but for the last, which says of which run they are."""
+    if not by:
+        by = NOTHING + "%s**" % verdict
+    elif by.startswith("study "):
+        by = "`lithe %s`" % by
+    else:
+        by = "`test_%s`" % by.replace(" ", "_") if by.startswith("cli ") else "`%s`" % by
+    return [group, mutant[0], "`%s`" % mutant[1], by, why.replace("_", " ").replace("|", "/")[:110]]
+
+
+def read_table(path):
+    """Rows of a table that was written before, by formula, wrong factor and file."""
+    lines = pathlib.Path(path).read_text().splitlines() if pathlib.Path(path).exists() else []
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+    return {tuple(row[:3]): row[:5] for row in rows if len(row) >= 5 and row[2].startswith("`")}
+
+
+def write_table(path, tried, known, seconds):
+    """All mutants: those of this run, and of the others what is known from earlier ones, or stands in the table as it is."""
+    before, rows = read_table(path), []
+    for group, mutant in [(g, m) for g, list_ in MUTANTS.items() for m in list_]:
+        name = key(group, mutant)
+        if name in known:
+            row = table_row(group, mutant, *known[name][:3])
+        else:
+            row = before.get((group, mutant[0], "`%s`" % mutant[1])) or table_row(group, mutant, "not tried", "", "")
+        rows.append([*row, "last" if name in tried else "earlier"])
+    found, n_new = sum(not row[3].startswith(NOTHING) for row in rows), sum(row[5] == "last" for row in rows)
+    when = "All were tried in one run of %.0f minutes." % (seconds / 60)
+    if n_new < len(rows):
+        when = "%d were tried in the last run of the script, and %d are carried over from earlier ones, as the last column says." % (
+            n_new, len(rows) - n_new)
     with open(path, "w") as out:
         out.write("# Wrong factors, and what finds them\n\n")
         out.write("Made by `./dev mutate` ([mutants.py](../../test/mutation/mutants.py) has the list): each row is one wrong factor in one "
                   "formula, put into a copy of\nthe sources; the first study (`--quick`) or test that fails is named. "
-                  "%d of %d are found, in %.0f minutes.\n\n" % (found, len(rows), seconds / 60))
-        out.write("| formula | wrong factor in | file | found by | what fails |\n| --- | --- | --- | --- | --- |\n")
-        for group, mutant, verdict, by, why in rows:
-            by = "`lithe %s`" % by if by.startswith("study ") else "`test_%s`" % by.replace(" ", "_") if by.startswith("cli ") else "`%s`" % by if by else "**nothing: %s**" % verdict
-            out.write("| %s | %s | `%s` | %s | %s |\n" % (group, mutant[0], mutant[1], by, why.replace("_", " ").replace("|", "\\|")[:110]))
+                  "%d of %d are found.\n%s\n\n" % (found, len(rows), when))
+        out.write("| formula | wrong factor in | file | found by | what fails | run |\n| --- | --- | --- | --- | --- | --- |\n")
+        out.writelines("| %s |\n" % " | ".join(row) for row in rows)
 
 
 def main():
@@ -185,9 +215,10 @@ def main():
     parser.add_argument("--all", action="store_true", help="all checks of every mutant, not the first that finds it")
     parser.add_argument("--resume", action="store_true", help="keep what an earlier run found, try the others")
     parser.add_argument("--fit", action="store_true", help="only look whether every mutant fits the sources")
-    parser.add_argument("--table", help="write the table to this file")
+    parser.add_argument("--table", help="write the table to this file; rows of mutants that are not tried now stay, and say so")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     args = parser.parse_args()
+    began_all = time.time()
     chosen = [(g, MUTANTS[g][i]) for g, i in SHORT] if args.short else [(g, m) for g, list_ in MUTANTS.items() for m in list_]
     chosen = [(g, m) for g, m in chosen if args.only in g or args.only in m[0]]
     fits = check_fit(chosen)
@@ -207,7 +238,7 @@ def main():
     for k, (group, mutant) in enumerate(chosen):
         began = time.time()
         if (group, mutant) in todo:
-            known[key(group, mutant)] = [*try_mutant(group, mutant, args), time.time() - began]
+            known[key(group, mutant)] = try_mutant(group, mutant, args)
             KNOWN.write_text(json.dumps(known, indent=1))
         verdict, by, why = known[key(group, mutant)][:3]
         rows.append((group, mutant, verdict, by, why))
@@ -216,7 +247,7 @@ def main():
     bad = [r for r in rows if r[2] != "found"]
     print("%d of %d wrong factors are found" % (len(rows) - len(bad), len(rows)))
     if args.table:
-        write_table(args.table, rows, sum(known[key(g, m)][3] for g, m in chosen))
+        write_table(args.table, {key(g, m) for g, m in todo}, known, time.time() - began_all)
     return 1 if bad else 0
 
 
