@@ -6,6 +6,7 @@
 
 /// Up to this many corners the ear with the shortest diagonal is taken, which avoids slivers.
 #define CHOOSY_MAX 64
+#define SPIKE 1e-13 ///< tangent of an angle that is rounding of places which cuts have made
 
 typedef struct Ring {
   const double *points;
@@ -90,11 +91,22 @@ static double diagonal(const Ring *ring, LitheIndex i) {
                          ring->points + 3 * (size_t)ring->corner[q]);
 }
 
+/// Does the ring turn back here on the way that it came? So it does where a part is clipped that touches the rest in one corner, in
+/// the middle of an edge: to rounding, it may then turn either way.
+static bool is_spike(const Ring *ring, LitheIndex i) {
+  const double *xy = ring->work->xy;
+  LitheIndex p = ring->work->prev[i], q = ring->work->next[i];
+  double e[2] = {xy[2 * i] - xy[2 * p], xy[2 * i + 1] - xy[2 * p + 1]};
+  double f[2] = {xy[2 * q] - xy[2 * i], xy[2 * q + 1] - xy[2 * i + 1]};
+  return fabs(e[0] * f[1] - e[1] * f[0]) < -SPIKE * (e[0] * f[0] + e[1] * f[1]);
+}
+
 /// The ear to clip next among `left` corners from `start` on, -1 if there is none.
 static LitheIndex find_ear(const Ring *ring, LitheIndex left, LitheIndex start) {
   LitheIndex best = -1, i = start;
   double shortest = INFINITY;
   for (LitheIndex k = 0; k < left; k++, i = ring->work->next[i]) {
+    if (is_spike(ring, i)) return i;
     if (!is_ear(ring, i)) continue;
     if (left > CHOOSY_MAX) return i;
     double length = diagonal(ring, i);
