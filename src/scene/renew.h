@@ -9,9 +9,9 @@
 
 /// What a body had before, and what its old and new cells have in common.
 typedef struct LthRenewal {
-  LthBody old;          ///< parts and mesh; old.def NULL: the body is what it was
-  const LthMesh *first; ///< mesh that is not freed
-  LthMesh *atoms;       ///< NULL: the body's mesh
+  LthBody old;                     ///< parts and mesh; old.def NULL: the body is what it was
+  const LthMesh *first;            ///< mesh that is not freed
+  LthMesh *atoms;                  ///< NULL: the body's mesh
   LitheIndex *from_cell, *to_cell; ///< of each atom; to_cell -1: taken away
 
   // what served the pairs

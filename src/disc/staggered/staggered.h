@@ -62,8 +62,9 @@ typedef struct LthStaggered {
   LthMaterialField material;
   LthMaterialModel model;
   LthFormulation formulation;
-  LthStaggeredLevel level; ///< weighted coefficients and states; V is 0 where rule A leaves cells out. Packed where a
-                           ///< linear body has the displacement form
+  LthStaggeredLevel
+      level; ///< weighted coefficients and states; V is 0 where rule A leaves cells out. Packed where a
+             ///< linear body has the displacement form
 
   LitheIndex *func;      ///< function of a slot, -1 where none of its unknowns is alive   (n_slots)
   LitheIndex *slot;      ///< slot of a function, ascending                                (n_funcs)

@@ -90,8 +90,8 @@ void lth_finite_cell_read(const LthStaggered *s, LitheIndex cell, const double *
     c->volume += c->weight[q];
   }
   c->lambda = s->level.lambda[slot] / s->level.volume[slot];
-  c->material =
-      (LthFinite){.model = s->model, .dim = s->dim, .mu = s->level.mu[slot] / s->level.volume[slot]};
+  c->material = (LthFinite){
+      .model = s->model, .dim = s->dim, .mu = s->level.mu[slot] / s->level.volume[slot]};
 }
 
 void lth_finite_cell_gradient(const LthFiniteCell *c, int part, double *F) {

@@ -160,10 +160,10 @@ ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, i
         c->cross[2] * ((wz1 - w) - (N(own)(rows, 2, r + ROWS_Z - 1, i) - wy0));
   N(store)
   (y + 2 * SIDE, c->inertia * w + c->side[2][0] * ((w - wlo) - (whi - w)) +
-                      c->side[2][1] * ((w - wy0) - (wy1 - w)) +
-                      c->side[2][2] * ((w - wz0) - (wz1 - w)) -
-                      c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
-                      c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
+                     c->side[2][1] * ((w - wy0) - (wy1 - w)) +
+                     c->side[2][2] * ((w - wz0) - (wz1 - w)) -
+                     c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
+                     c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
 #endif
   N(store)(y, x);
   N(store)(y + SIDE, z1);

@@ -233,6 +233,7 @@ static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, Li
     const float *pull = coarse->pull ? coarse->pull + q * (LitheCount)WIDTH : NULL;
     float *b = row_of(coarse->b, q);
     for (int a = 0; a < DIM; a++, from += CELLS)
-      for (int i = 0; i < SIDE; i++) b[a * SIDE + i] = pull ? pull[a * SIDE + i] * from[i] : from[i];
+      for (int i = 0; i < SIDE; i++)
+        b[a * SIDE + i] = pull ? pull[a * SIDE + i] * from[i] : from[i];
   }
 }

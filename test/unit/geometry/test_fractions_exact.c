@@ -1,7 +1,7 @@
 /// Exact fractions: volumes to rounding, whichever way the axes lie, of surfaces, primitives, combinations, voxels.
 #include "ctx_fixture.h"
-#include "soup_maker.h"
 #include "fraction_grid.h"
+#include "soup_maker.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"

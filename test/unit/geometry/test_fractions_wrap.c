@@ -1,6 +1,6 @@
 /// Fractions of wrapped surfaces: exact where the surface is closed, flat caps in flat holes, what is wound twice counts once.
-#include "soup_maker.h"
 #include "fraction_grid.h"
+#include "soup_maker.h"
 
 #include "base/tensor.h"
 #include "geometry/fractions.h"
