@@ -23,10 +23,10 @@ static inline LitheIndex soup_point(SoupMaker *m, double x, double y, double z) 
   return m->soup.n_points++;
 }
 
-static inline void soup_polygon(SoupMaker *m, int n, const LitheIndex *points) {
+static inline void soup_polygon(SoupMaker *m, int n_corners, const LitheIndex *points) {
   LitheIndex first = m->poly_off[m->soup.n_polys];
-  for (int i = 0; i < n; i++) m->poly_point[first + i] = points[i];
-  m->poly_off[++m->soup.n_polys] = first + n;
+  for (int i = 0; i < n_corners; i++) m->poly_point[first + i] = points[i];
+  m->poly_off[++m->soup.n_polys] = first + n_corners;
 }
 
 static inline void soup_triangle(SoupMaker *m, LitheIndex a, LitheIndex b, LitheIndex c) {
