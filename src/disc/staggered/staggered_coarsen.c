@@ -218,15 +218,14 @@ static bool holds_alone(const LthStaggeredLevel *fine, const LitheIndex cell[3],
   return false;
 }
 
-/// Is what a held fine face holds sure to be held on the coarse level, too, where this face is given up? Holds of some components may be as thin as one
-/// face: where the middle of a coarse face missed them, the coarse level would have a motion that nothing holds.
+/// Is what a held fine face holds sure to be held on the coarse level, too, where this face is given up? Holds of some components
+/// may be as thin as one face: where the middle of a coarse face missed them, the coarse level would have a motion that nothing holds.
 static bool is_thick(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   return is_clamped(fine, cell, a) && !holds_alone(fine, cell, a);
 }
 
-/// Is the middle of the fine faces that make up a coarse one behind a wall? Where a hold is thin, and
-/// in the mixed form, one held face is enough: where stiffness
-/// jumps its smoother does not bear corrections that are cut.
+/// Is the middle of the fine faces that make up a coarse one behind a wall? One held face is enough where a hold is thin, and in
+/// the mixed form: where stiffness jumps its smoother does not bear corrections that are cut.
 static bool face_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   LitheIndex low[3], high[3], c[3];
   bool any = false, thick = true;

@@ -1,5 +1,5 @@
 /// Surfaces of bodies that are cut: closed, with the volume of the body, whatever is done to it.
-#include "base/disjoint_sets.h"
+#include "closed_soup.h"
 #include "failing_memory.h"
 #include "mesh/skin.h"
 #include "topology_ops.h"
@@ -111,37 +111,11 @@ static void renew(Body *b) {
   CHECK_OK(b->ctx, lth_topology_forget(b->ctx, b->t));
 }
 
-typedef struct Edge {
-  LitheIndex low, high, sum;
-} Edge;
-
-static int compare_edges(const void *a, const void *b) {
-  const Edge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  return (p->high > q->high) - (p->high < q->high);
-}
-
-/// Every edge of the polygons is there as often in one direction as in the other.
 static void check_closed(const LthSoup *s) {
-  LitheIndex n = s->poly_off[s->n_polys], k = 0;
-  Edge *edge = calloc((size_t)n, sizeof *edge);
-  for (LitheIndex p = 0; p < s->n_polys; p++)
-    for (LitheIndex i = s->poly_off[p]; i < s->poly_off[p + 1]; i++) {
-      LitheIndex a = s->poly_point[i],
-                 c = s->poly_point[i + 1 < s->poly_off[p + 1] ? i + 1 : s->poly_off[p]];
-      assert_true(a >= 0 && a < s->n_points && a != c);
-      edge[k++] = a < c ? (Edge){a, c, 1} : (Edge){c, a, -1};
-    }
-  qsort(edge, (size_t)n, sizeof *edge, compare_edges);
-  for (LitheIndex i = 0, j; i < n; i = j) {
-    LitheIndex sum = 0;
-    for (j = i; j < n && compare_edges(edge + i, edge + j) == 0; j++) sum += edge[j].sum;
-    if (sum != 0)
-      fail_msg("edge %d %d is open: (%g %g %g)", edge[i].low, edge[i].high,
-               s->points[3 * edge[i].low], s->points[3 * edge[i].low + 1],
-               s->points[3 * edge[i].low + 2]);
-  }
-  free(edge);
+  LitheIndex open[2];
+  if (!soup_is_closed(s, open))
+    fail_msg("edge %d %d is open: (%g %g %g)", open[0], open[1], s->points[3 * open[0]],
+             s->points[3 * open[0] + 1], s->points[3 * open[0] + 2]);
 }
 
 static double polygon_volume(const LthSoup *s, LitheIndex p, double *area) {
@@ -158,17 +132,6 @@ static double polygon_volume(const LthSoup *s, LitheIndex p, double *area) {
   }
   *area += lth_v3_norm(sum);
   return volume;
-}
-
-/// Parts of the body that hang together: lowest cell of each cell's part.
-static LitheIndex *find_parts(const LthTopology *t) {
-  LitheIndex *part = calloc((size_t)t->n_cells, sizeof *part);
-  lth_sets_reset(part, t->n_cells);
-  for (LitheIndex f = 0; f < t->n_faces; f++)
-    if (t->faces[f].is_live && t->faces[f].cell[1] >= 0)
-      lth_sets_unite(part, t->faces[f].cell[0], t->faces[f].cell[1]);
-  for (LitheIndex c = 0; c < t->n_cells; c++) part[c] = lth_sets_root(part, c);
-  return part;
 }
 
 /// The surface is closed; each polygon's points belong to one part of the body, and what the polygons of a part

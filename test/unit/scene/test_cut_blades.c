@@ -1,8 +1,9 @@
 /// Random blades with bends through bodies that move: their embedded surfaces are cut wherever the elements are, stay closed edge by
 /// edge, keep their volume, and no vertex follows elements of two sides.
-#include "base/disjoint_sets.h"
 #include "base/tensor.h"
+#include "closed_soup.h"
 #include "geometry/bvh.h"
+#include "random_text.h"
 #include "scene/cut.h"
 #include "scene/cut_surface.h"
 #include "scene_text.h"
@@ -16,25 +17,6 @@
 #define STEP 0.01
 #define ROUND 9   ///< halves of a meridian of the ball
 #define PROBES 40 ///< of a blade, in each direction
-
-static uint64_t seed;
-
-static double random_unit(void) {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return (double)(seed >> 11) * 0x1p-53;
-}
-
-static double between(double low, double high) { return low + (high - low) * random_unit(); }
-static int pick(int n) { return (int)(random_unit() * n); }
-
-/// Text that grows.
-typedef struct Text {
-  char at[8000];
-  size_t n;
-} Text;
-
-#define ADD(text, ...)                                                                             \
-  ((text)->n += (size_t)snprintf((text)->at + (text)->n, sizeof(text)->at - (text)->n, __VA_ARGS__))
 
 /// Three to eight facets that turn to and fro, from below the body upward or to its inside.
 static void add_blade(Text *t, int i) {
@@ -122,46 +104,12 @@ static uint64_t begin;
 
 // --- the surface is closed ---
 
-typedef struct Edge {
-  LitheIndex low, high, sum;
-} Edge;
-
-static int compare_edges(const void *a, const void *b) {
-  const Edge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  return (p->high > q->high) - (p->high < q->high);
-}
-
-/// Every edge of the polygons is there as often in one direction as in the other.
 static void check_closed(const LthSoup *s) {
-  LitheIndex n = s->poly_off[s->n_polys], k = 0;
-  Edge *edge = calloc((size_t)n, sizeof *edge);
-  for (LitheIndex p = 0; p < s->n_polys; p++)
-    for (LitheIndex i = s->poly_off[p]; i < s->poly_off[p + 1]; i++) {
-      LitheIndex a = s->poly_point[i],
-                 c = s->poly_point[i + 1 < s->poly_off[p + 1] ? i + 1 : s->poly_off[p]];
-      edge[k++] = a < c ? (Edge){a, c, 1} : (Edge){c, a, -1};
-    }
-  qsort(edge, (size_t)n, sizeof *edge, compare_edges);
-  for (LitheIndex i = 0, j; i < n; i = j) {
-    LitheIndex sum = 0;
-    for (j = i; j < n && compare_edges(edge + i, edge + j) == 0; j++) sum += edge[j].sum;
-    if (sum != 0) FAIL("edge %d %d is open", edge[i].low, edge[i].high);
-  }
-  free(edge);
+  LitheIndex open[2];
+  if (!soup_is_closed(s, open)) FAIL("edge %d %d is open", open[0], open[1]);
 }
 
 // --- its parts have the volume of their elements ---
-
-static LitheIndex *find_parts(const LthTopology *t) {
-  LitheIndex *part = calloc((size_t)t->n_cells, sizeof *part);
-  lth_sets_reset(part, t->n_cells);
-  for (LitheIndex f = 0; f < t->n_faces; f++)
-    if (t->faces[f].is_live && t->faces[f].cell[1] >= 0)
-      lth_sets_unite(part, t->faces[f].cell[0], t->faces[f].cell[1]);
-  for (LitheIndex c = 0; c < t->n_cells; c++) part[c] = lth_sets_root(part, c);
-  return part;
-}
 
 static double polygon_volume(const LthSoup *s, LitheIndex p) {
   double volume = 0;

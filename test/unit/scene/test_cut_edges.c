@@ -121,8 +121,7 @@ static void slanted_blades_cut_all_that_they_reach_and_nothing_else(void **state
   double x[6];
   for (int i = 0; i < 60; i++) {
     for (int k = 0; k < 6; k++) {
-      seed = seed * 6364136223846793005u + 1442695040888963407u;
-      x[k] = (double)(seed >> 11) * 0x1p-53;
+      x[k] = test_random(&seed);
       x[k] = k < 4 ? 1.2 * x[k] - 0.1 : 1.6 * x[k] - 0.8;
     }
     double sides = fabs((x[2] - x[0]) * x[5] - (x[3] - x[1]) * x[4]);

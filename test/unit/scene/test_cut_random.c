@@ -2,6 +2,7 @@
 /// its invariants, and the matrix stays positive definite.
 #include "base/tensor.h"
 #include "mesh/topology.h"
+#include "random_text.h"
 #include "scene/cut.h"
 #include "scene_text.h"
 
@@ -10,25 +11,6 @@
 
 #define CUTS 6
 #define STEP 0.01
-
-static uint64_t seed;
-
-static double random_unit(void) {
-  seed = seed * 6364136223846793005u + 1442695040888963407u;
-  return (double)(seed >> 11) * 0x1p-53;
-}
-
-static double between(double low, double high) { return low + (high - low) * random_unit(); }
-static int pick(int n) { return (int)(random_unit() * n); }
-
-/// Text that grows.
-typedef struct Text {
-  char at[8000];
-  size_t n;
-} Text;
-
-#define ADD(text, ...)                                                                             \
-  ((text)->n += (size_t)snprintf((text)->at + (text)->n, sizeof(text)->at - (text)->n, __VA_ARGS__))
 
 static void add_place(Text *t, double reach) {
   ADD(t, "[%.3f, %.3f, %.3f]", between(-reach, reach), between(-reach, reach),
