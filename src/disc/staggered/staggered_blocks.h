@@ -34,87 +34,73 @@
 ALWAYS LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, LitheIndex by) {
   return block + by < g->n_blocks ? block + by : block;
 }
+/// Blocks around the one that comes next in memory.
+ALWAYS const LitheIndex *near_next(const LthSparseGrid *g, LitheIndex block) {
+  return g->neighbor + (LitheCount)block_later(g, block, 1) * N_NEAR;
+}
 
 ALWAYS float *row_of(LthFastVector v, LitheIndex row) { return v.at + row * v.stride; }
 
-/// Sum of lanes in fixed order.
-ALWAYS double sum_lanes(const double lane[SIDE]) {
-  double sum = 0;
-  for (int i = 0; i < SIDE; i++) sum += lane[i];
-  return sum;
-}
-
-/// Fetch all of an array.
-ALWAYS void fetch_all(const void *at, LitheCount bytes) {
-  for (LitheCount i = 0; i < bytes; i += 64) __builtin_prefetch((const char *)at + i, 0, 2);
-}
-
-/// Rows of a block that are not plain; and the offset of the first one's samples: those that differ stand in a row.
-ALWAYS uint64_t general_of(const LthFastLevel *L, LitheIndex block) {
-  return L->alive[block] & ~L->plain[block];
-}
-ALWAYS LitheCount first_samples(const LthFastLevel *L, LitheIndex block, LitheCount stride) {
-  const int first = general_of(L, block) ? __builtin_ctzll(general_of(L, block)) : 0;
-  return stride * L->level->row[block * (LitheCount)BLOCK_ROWS + first];
-}
-
-/// (A x) of a block, of its rows that are alive.
-ALWAYS void fast_rows(const LthFastLevel *L, LitheIndex block, float y[BLOCK]) {
+/// The operator in a block.
+ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
   enum { SAMPLES = N_SHEAR + 2, STRIDE = SAMPLES * SIDE };
-  const LitheIndex here = L->first[block], later = L->first[block_later(L->grid, block, 2)];
-  const Ahead_f ahead = {{row_of(L->x, later), row_of(L->y, here), row_of(L->b, here)},
-                         {L->x.stride, L->y.stride, L->b.stride},
-                         3};
   const LitheIndex *near = L->grid->neighbor + (LitheCount)block * N_NEAR;
   const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
-  Rows_f rows;
-  find_rows_f(L, near, L->x.at, L->x.stride, &rows);
-  fetch_margin_f(L, block_later(L->grid, block, 1), L->x.at, L->x.stride);
-  if (L->kind[block] == LTH_BLOCK_UNIFORM) {
-    const float *c = L->constant + 3 * (LitheCount)block;
-    const Constant_f constant = constant_f(c[0], c[1], c[2], ratio);
-    uniform_rows_f(&rows, &constant, &ahead, y);
-    return;
-  }
-  const float *s = L->sample, *of = L->constant + 3 * (LitheCount)block;
-  Samples_f samples = {
-      .lambda = s, .mu = s + SIDE, .shear[XY] = s + 2 * SIDE, .level = L->level, .stride = STRIDE};
-#if DIM == 3
-  samples.shear[0] = s + 3 * SIDE;
-  samples.shear[1] = s + 4 * SIDE;
-#endif
-  const LitheIndex next = block_later(L->grid, block, 1);
-  if (L->kind[next] == LTH_BLOCK_GENERAL) {
-    const LitheCount rows_there = L->first[next + 1] - L->first[next];
-    fetch_all(L->sample + first_samples(L, next, STRIDE),
-              4 * STRIDE * __builtin_popcountll(general_of(L, next)));
-    fetch_all(L->inverse + L->number[next] * (LitheCount)WIDTH, 4 * WIDTH * rows_there);
-  }
-  const Constant_f same = constant_f(of[0], of[1], 0, ratio); // inertia follows
-  find_samples_f(block, &samples);
-  general_rows_f(&rows, &samples, &same, ratio, L->alive[block], L->plain[block], &ahead, y);
-  if (!L->inertia) return;
-  const float *m = L->inertia + L->number[block] * (LitheCount)WIDTH;
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++, m += WIDTH) {
-    const float *x = row_of(L->x, q);
-    float *to = y + L->local[q] * WIDTH;
-    for (int i = 0; i < WIDTH; i += SIDE)
-      store_f(to + i, load_f(to + i) + load_f(m + i) * load_f(x + i));
-  }
+  const float *c = L->constant + 3 * (LitheCount)block, *s = L->sample;
+  const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
+  B->plain = L->plain[block];
+  B->same = constant_f(c[0], c[1], uniform ? c[2] : 0, ratio);
+  B->samples.lambda = s;
+  B->samples.mu = s + SIDE;
+  B->samples.stride = STRIDE;
+  B->samples.scale = 1;
+  UNROLL
+  for (int a = 0; a < DIM; a++) B->samples.ratio[a] = ratio[a];
+  UNROLL
+  for (int e = 0; e < N_SHEAR; e++)
+    B->samples.shear[e] = s + (2 + (DIM == 3 ? (e + 1) % 3 : 0)) * SIDE;
+  if (!uniform) find_samples_f(L->level, near, &B->samples);
+  find_rows_f(L, near, L->x.at, L->x.stride, &B->rows);
+}
+
+/// f = A x in row q of vectors, in a block that is uniform or not.
+ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, const bool uniform,
+                     LitheIndex q, Lane_f f[DIM]) {
+  const LitheIndex number = q - L->first[block];
+  row_f(B, uniform, uniform ? number : L->local[q], 0, f);
+  if (uniform || !L->inertia) return;
+  const float *m = L->inertia + (L->number[block] + number) * (LitheCount)WIDTH;
+  UNROLL
+  for (int a = 0; a < DIM; a++) f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + a * SIDE);
+}
+
+/// With row q of a block, fetch what is wanted soon.
+ALWAYS void fast_fetch(const LthFastLevel *L, LitheIndex block, const bool uniform, LitheIndex q) {
+  const LitheIndex number = q - L->first[block];
+  fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
+  fetch_row_f(row_of(L->y, q + SOON));
+  fetch_row_f(row_of(L->b, q + SOON));
+  fetch_margin_f(L, near_next(L->grid, block), uniform ? number : L->local[q], L->x.at,
+                 L->x.stride);
+  if (!uniform) fetch_row_f(L->inverse + (L->number[block] + number + SOON) * (LitheCount)WIDTH);
 }
 
 /// Inverse of the diagonal of a component in a uniform block.
 ALWAYS float inverse_diagonal(const LthFastLevel *L, LitheIndex block, int a) {
   const float *c = L->constant + 3 * (LitheCount)block;
   float d = c[2];
+  UNROLL
   for (int b = 0; b < DIM; b++)
     d += 2 * (b == a ? 2 * c[1] + c[0] : c[1]) * (float)(L->ratio[b] * L->ratio[b]);
   return 1 / d;
 }
 
-/// b . (new iterate) of a row, in double precision.
-ALWAYS void add_product(Lane_f b, Lane_f x, double lane[SIDE]) {
-  for (int i = 0; i < SIDE; i++) lane[i] += (double)b[i] * x[i];
+typedef double Wide __attribute__((vector_size(LANES_F * sizeof(double))));
+
+ALWAYS double sum_wide(Wide lane) {
+  double sum = 0;
+  for (int i = 0; i < LANES_F; i++) sum += lane[i];
+  return sum;
 }
 
 /// Inverse of the diagonal of a general block's row of vectors.
@@ -122,52 +108,56 @@ ALWAYS const float *inverse_of(const LthFastLevel *L, LitheIndex block, LitheInd
   return L->inverse + (L->number[block] + q - L->first[block]) * (LitheCount)WIDTH;
 }
 
-/// y = keep x - old y + length D^-1 (b - A x), row by row.
-ALWAYS void smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep step, const bool fresh,
-                        const bool uniform, const float *Ax, double lane[SIDE]) {
+/// y = keep x - old y + length D^-1 (b - A x), row by row; returns b . y, in double precision.
+ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep step,
+                          const bool fresh, const bool uniform) {
   const float keep = 1 + step.momentum, old = step.momentum, length = step.length;
+  Block_f B;
+  Wide product = {0};
   float same[DIM];
+  fast_block(L, block, &B);
+  UNROLL
   for (int a = 0; a < DIM; a++) same[a] = uniform ? length * inverse_diagonal(L, block, a) : 0;
   for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
-    const float *x = row_of(L->x, q), *b = row_of(L->b, q), *of = Ax + L->local[q] * WIDTH;
+    const float *x = row_of(L->x, q), *b = row_of(L->b, q);
     const float *stored = uniform ? NULL : inverse_of(L, block, q);
     float *y = row_of(L->y, q);
+    fast_fetch(L, block, uniform, q);
+    Lane_f f[DIM];
+    fast_row(L, block, &B, uniform, q, f);
+    UNROLL
     for (int a = 0; a < DIM; a++) {
       const int at = a * SIDE;
-      Lane_f rhs = load_f(b + at), r = rhs - load_f(of + at);
+      const Lane_f rhs = load_f(b + at), r = rhs - f[a];
       Lane_f z = keep * load_f(x + at) + (uniform ? same[a] * r : length * load_f(stored + at) * r);
       if (!fresh) z -= old * load_f(y + at);
       store_f(y + at, z);
-      if (step.product) add_product(rhs, z, lane);
+      if (step.product)
+        product += __builtin_convertvector(rhs, Wide) * __builtin_convertvector(z, Wide);
     }
   }
+  return step.product ? sum_wide(product) : 0;
 }
 
 LTH_CLONES
 static double smooth(const LthFastLevel *L, LitheIndex block, LthFastStep step) {
-  _Alignas(64) float Ax[BLOCK];
-  double lane[SIDE] = {0};
-  fast_rows(L, block, Ax);
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
-  if (step.fresh && uniform)
-    smooth_rows(L, block, step, true, true, Ax, lane);
-  else if (uniform)
-    smooth_rows(L, block, step, false, true, Ax, lane);
-  else if (step.fresh)
-    smooth_rows(L, block, step, true, false, Ax, lane);
-  else
-    smooth_rows(L, block, step, false, false, Ax, lane);
-  return step.product ? sum_lanes(lane) : 0;
+  if (step.fresh && uniform) return smooth_rows(L, block, step, true, true);
+  if (uniform) return smooth_rows(L, block, step, false, true);
+  if (step.fresh) return smooth_rows(L, block, step, true, false);
+  return smooth_rows(L, block, step, false, false);
 }
 
 LTH_CLONES
 static void start(const LthFastLevel *L, LitheIndex block, float length) {
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
   float same[DIM];
+  UNROLL
   for (int a = 0; a < DIM; a++) same[a] = uniform ? length * inverse_diagonal(L, block, a) : 0;
   for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
     const float *b = row_of(L->b, q), *stored = uniform ? NULL : inverse_of(L, block, q);
     float *x = row_of(L->x, q);
+    UNROLL
     for (int a = 0; a < DIM; a++) {
       const Lane_f rhs = load_f(b + a * SIDE);
       store_f(x + a * SIDE, uniform ? same[a] * rhs : length * load_f(stored + a * SIDE) * rhs);
@@ -179,107 +169,126 @@ ALWAYS const float *scale_of(const LthFastLevel *L, LitheIndex block, LitheIndex
   return L->scale + (L->scaled[block] + q - L->first[block]) * (LitheCount)WIDTH;
 }
 
-/// y = scale (b - Ax), or (Ax is NULL) y = scale b, row by row.
-ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const float *Ax) {
+/// y = scale (b - A x), or (B is NULL) y = scale b, row by row.
+ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool uniform,
+                       const Block_f *B) {
   const bool varies = L->scaled[block] >= 0;
   const float same = L->same_scale[block];
   for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
     const float *b = row_of(L->b, q), *scale = varies ? scale_of(L, block, q) : NULL;
     float *y = row_of(L->y, q);
-    for (int at = 0; at < WIDTH; at += SIDE) {
-      Lane_f r = load_f(b + at);
-      if (Ax) r -= load_f(Ax + L->local[q] * WIDTH + at);
-      store_f(y + at, varies ? r * load_f(scale + at) : r * same);
+    Lane_f f[DIM] = {0};
+    if (B) {
+      fast_fetch(L, block, uniform, q);
+      fast_row(L, block, B, uniform, q, f);
+    }
+    UNROLL
+    for (int a = 0; a < DIM; a++) {
+      const Lane_f r = load_f(b + a * SIDE) - f[a];
+      store_f(y + a * SIDE, varies ? r * load_f(scale + a * SIDE) : r * same);
     }
   }
 }
 
 LTH_CLONES
 static void residual(const LthFastLevel *L, LitheIndex block) {
-  _Alignas(64) float Ax[BLOCK];
-  fast_rows(L, block, Ax);
-  scale_rows(L, block, Ax);
+  Block_f B;
+  fast_block(L, block, &B);
+  if (L->kind[block] == LTH_BLOCK_UNIFORM)
+    scale_rows(L, block, true, &B);
+  else
+    scale_rows(L, block, false, &B);
 }
 
 LTH_CLONES
-static void weigh(const LthFastLevel *L, LitheIndex block) { scale_rows(L, block, NULL); }
+static void weigh(const LthFastLevel *L, LitheIndex block) { scale_rows(L, block, false, NULL); }
 
-/// q = f K u + m M u at the unknowns of a general block that count, from K u of all its rows; returns p . q by lanes.
-ALWAYS void finish_general(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
-                           bool held, const double *Ku, const double *values, double *result,
-                           double lane[SIDE]) {
+/// The operator in double precision in a block.
+ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
+                        const double *values, Block_d *B) {
   const LthStaggeredLevel *l = L->level;
-  const uint8_t last = held ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_FREE;
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
-    const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q], slot = row * SIDE;
-    for (int a = 0; a < DIM; a++) {
-      const LitheCount at = q * (LitheCount)WIDTH + a * SIDE;
-      const double *p = values + at, *f = Ku + L->local[q] * WIDTH + a * SIDE;
-      const double *m = l->mass[a] + l->row[row] * (LitheCount)SIDE;
-      const uint8_t *state = l->state[a] + slot;
-      double *to = result + at;
-      for (int i = 0; i < SIDE; i++) {
-        const double value = stiff * f[i] + (inert != 0 ? inert * m[i] * p[i] : 0);
-        to[i] = state[i] != LTH_UNKNOWN_DEAD && state[i] <= last ? value : 0;
-        lane[i] += p[i] * to[i];
-      }
-    }
+  const LitheIndex *near = L->grid->neighbor + (LitheCount)block * N_NEAR;
+  const LitheCount at = lth_fast_constant(L, block);
+  const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
+  B->plain = L->plain[block];
+  B->same = constant_d(stiff * l->lambda[at], stiff * l->mu[at],
+                       uniform ? inert * l->mass[0][at] : 0, L->ratio);
+  B->samples.lambda = l->lambda;
+  B->samples.mu = l->mu;
+  B->samples.stride = SIDE;
+  B->samples.scale = stiff;
+  UNROLL
+  for (int a = 0; a < DIM; a++) B->samples.ratio[a] = L->ratio[a];
+  UNROLL
+  for (int e = 0; e < N_SHEAR; e++) B->samples.shear[e] = l->shear[DIM == 3 ? e : 2];
+  if (!uniform) find_samples_d(l, near, &B->samples);
+  find_rows_d(L, near, values, WIDTH, &B->rows);
+}
+
+typedef uint64_t Bits __attribute__((vector_size(64)));
+
+/// v where unknowns are free, or (`held`) not dead, else 0. The lowest bit of a state says that it is free, the next one
+/// that it is held.
+ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[8], bool held) {
+  uint64_t s;
+  memcpy(&s, state, 8);
+  s |= held ? s >> 1 : 0;
+  const Bits lowest = ((Bits){0} + s) << (Bits){63, 55, 47, 39, 31, 23, 15, 7};
+  return (Lane_d)((Bits)v & -(lowest >> 63));
+}
+
+/// f += m M p, and zero where an unknown does not count, in row q of a general block.
+ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, int i, double inert,
+                       bool held, const double *p, Lane_d f[DIM]) {
+  const LthStaggeredLevel *l = L->level;
+  const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q];
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    if (inert != 0)
+      f[a] += inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
+              load_d(p + a * SIDE + i);
+    f[a] = where_counted(f[a], l->state[a] + row * SIDE + i, held);
   }
 }
 
-/// Fetch the coefficients of a general block: rows that differ from others stand one after the other.
-ALWAYS void fetch_coefficients(const LthFastLevel *L, LitheIndex block) {
-  const LthStaggeredLevel *l = L->level;
-  const LitheCount n = 8 * SIDE * __builtin_popcountll(general_of(L, block));
-  const LitheCount first = first_samples(L, block, SIDE);
-  fetch_all(l->lambda + first, n);
-  fetch_all(l->mu + first, n);
-  for (int e = DIM == 3 ? 0 : 2; e < 3; e++) fetch_all(l->shear[e] + first, n);
-  for (int a = 0; a < DIM; a++) fetch_all(l->state[a] + block * (LitheCount)CELLS, CELLS);
-}
-
-/// q = A p in a uniform block, whose rows are all there; returns p . q by lanes.
-ALWAYS void apply_uniform(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
-                          const Rows_d *rows, const Ahead_d *ahead, const double *values,
-                          double *result, double lane[SIDE]) {
-  const LthStaggeredLevel *l = L->level;
-  const LitheCount first = L->first[block] * (LitheCount)WIDTH, at = lth_fast_constant(L, block);
-  const Constant_d c =
-      constant_d(stiff * l->lambda[at], stiff * l->mu[at], inert * l->mass[0][at], L->ratio);
-  uniform_rows_d(rows, &c, ahead, result + first);
-  for (LitheCount r = first; r < first + BLOCK; r += SIDE)
-    for (int i = 0; i < SIDE; i++) lane[i] += values[r + i] * result[r + i];
+/// q = A p in a block, row by row; returns p . q.
+ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
+                         bool held, const bool uniform, const double *values, double *result) {
+  const LitheIndex first = L->first[block], behind = L->first[block + 1];
+  Block_d B;
+  Lane_d product = {0};
+  exact_block(L, block, stiff, inert, values, &B);
+  for (LitheIndex q = first; q < behind; q++) {
+    const double *p = values + q * (LitheCount)WIDTH;
+    double *to = result + q * (LitheCount)WIDTH;
+    const int row = uniform ? q - first : L->local[q];
+    fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
+    fetch_row_d(to + SOON * WIDTH);
+    fetch_margin_d(L, near_next(L->grid, block), row, values, WIDTH);
+    for (int i = 0; i < SIDE; i += 8) {
+      Lane_d f[DIM];
+      row_d(&B, uniform, row, i, f);
+      if (!uniform) finish_row(L, block, q, i, inert, held, p, f);
+      UNROLL
+      for (int a = 0; a < DIM; a++) {
+        store_d(to + a * SIDE + i, f[a]);
+        product += f[a] * load_d(p + a * SIDE + i);
+      }
+    }
+  }
+  double sum = 0;
+  for (int i = 0; i < 8; i++) sum += product[i];
+  return sum;
 }
 
 LTH_CLONES
 static double apply(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                     const double *values, double *result) {
-  const LthStaggeredLevel *l = L->level;
-  const LitheIndex next = block_later(L->grid, block, 1);
-  const LitheIndex later = L->first[block_later(L->grid, block, 2)];
-  const Ahead_d ahead = {
-      {values + later * (LitheCount)WIDTH, result + L->first[next] * (LitheCount)WIDTH},
-      {WIDTH, WIDTH},
-      2};
-  double volume = lth_sparse_grid_cell_volume(L->grid), lane[SIDE] = {0};
-  double stiff = ck * volume / (L->grid->h[0] * L->grid->h[0]), inert = cm * volume;
-  Rows_d rows;
-  find_rows_d(L, L->grid->neighbor + (LitheCount)block * N_NEAR, values, WIDTH, &rows);
-  fetch_margin_d(L, next, values, WIDTH);
-  if (L->kind[block] == LTH_BLOCK_UNIFORM) {
-    apply_uniform(L, block, stiff, inert, &rows, &ahead, values, result, lane);
-    return sum_lanes(lane);
-  }
-  _Alignas(64) double Ku[BLOCK];
-  const LitheCount at = lth_fast_constant(L, block);
-  const Constant_d same = constant_d(l->lambda[at], l->mu[at], 0, L->ratio);
-  Samples_d c = {.lambda = l->lambda, .mu = l->mu, .level = l, .stride = SIDE};
-  for (int e = 0; e < N_SHEAR; e++) c.shear[e] = l->shear[DIM == 3 ? e : 2];
-  if (L->kind[next] == LTH_BLOCK_GENERAL) fetch_coefficients(L, next);
-  find_samples_d(block, &c);
-  general_rows_d(&rows, &c, &same, L->ratio, L->alive[block], L->plain[block], &ahead, Ku);
-  finish_general(L, block, stiff, inert, held, Ku, values, result, lane);
-  return sum_lanes(lane);
+  const double volume = lth_sparse_grid_cell_volume(L->grid);
+  const double stiff = ck * volume / (L->grid->h[0] * L->grid->h[0]), inert = cm * volume;
+  if (L->kind[block] == LTH_BLOCK_UNIFORM)
+    return apply_rows(L, block, stiff, inert, held, true, values, result);
+  return apply_rows(L, block, stiff, inert, held, false, values, result);
 }
 
 #include "disc/staggered/staggered_transfers.h"

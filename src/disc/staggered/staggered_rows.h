@@ -19,9 +19,12 @@
 #define ROWS_Z (SIDE + 2)                            // rows from plane to plane in a table
 #define N_ROWS (ROWS_Z * PAD_Z)                      // a block's rows and those around them
 #define ROW(j, k) (((k)-FIRST_K) * ROWS_Z + (j) + 1) // place in a table of row j of plane k
+#define UP(a) ((a) == 0 ? 0 : (a) == 1 ? 1 : ROWS_Z) // from a row to the next one along an axis
 #define CELLS (SIDE * SIDE * DEEP)
 #define BLOCK_ROWS (SIDE * DEEP)
 #define WIDTH (DIM * SIDE) // values of a row of vectors
+#define SOON 64            // rows
+#define UNROLL _Pragma("GCC unroll 3")
 #define ALWAYS static inline __attribute__((always_inline))
 
 /// LANES values along x.
@@ -75,348 +78,189 @@ ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], 
   }
 }
 
-/// Component c of the unknowns i, i + 1, ... of row r, and of those one place down and up.
-ALWAYS N(Lane) N(own)(const N(Rows) * rows, int c, int r, int i) {
-  return N(load)(rows->at[1][r] + c * SIDE + i);
-}
-ALWAYS N(Lane) N(low)(const N(Rows) * rows, int c, int r, int i) {
-  if (i > 0) return N(load)(rows->at[1][r] + c * SIDE + i - 1);
-  return N(shift_down)(N(load)(rows->at[0][r] + c * SIDE + SIDE - LANES), N(own)(rows, c, r, 0));
-}
-ALWAYS N(Lane) N(high)(const N(Rows) * rows, int c, int r, int i) {
-  if (i + LANES < SIDE) return N(load)(rows->at[1][r] + c * SIDE + i + 1);
-  return N(shift_up)(N(own)(rows, c, r, i), N(load)(rows->at[2][r] + c * SIDE));
+/// Values i, i + 1, ... of a row, or (x = -1, 1) those one place down or up; `before` and `after` it stand other rows.
+ALWAYS N(Lane) N(beside)(const REAL *before, const REAL *here, const REAL *after, int x, int i) {
+  if (x < 0 && i == 0) return N(shift_down)(N(load)(before + SIDE - LANES), N(load)(here));
+  if (x > 0 && i + LANES == SIDE) return N(shift_up)(N(load)(here + i), N(load)(after));
+  return N(load)(here + i + x);
 }
 
-/// What is wanted soon, in rows: processors do not guess where the next block begins.
-typedef struct N(Ahead) {
-  const REAL *at[3];
-  LitheCount stride[3];
-  int n;
-} N(Ahead);
+/// Component c of the unknowns i, i + 1, ... of row r, or (x = -1, 1) of those one place down or up.
+ALWAYS N(Lane) N(at)(const N(Rows) * rows, int c, int r, int x, int i) {
+  return N(beside)(rows->at[0][r] + c * SIDE, rows->at[1][r] + c * SIDE, rows->at[2][r] + c * SIDE,
+                   x, i);
+}
+
+// Processors guess that a row follows the one before it, but neither how far to look ahead nor where the neighbours of a
+// block stand; and they drop what is asked of them in a rush: a few are fetched with every row, SOON rows ahead.
 
 /// Fetch a row of vectors into the second cache.
 ALWAYS void N(fetch_row)(const REAL *at) {
+  UNROLL
   for (int i = 0; i < WIDTH; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(at + i, 0, 2);
 }
 
-/// Fetch row `row` of all that is wanted.
-ALWAYS void N(fetch)(const N(Ahead) * ahead, int row) {
-  for (int v = 0; v < ahead->n; v++) N(fetch_row)(ahead->at[v] + row * ahead->stride[v]);
+/// Fetch one of the rows that a block reads of those that follow it along y and z, whom nobody has touched before: all
+/// of them as `row` goes over the rows of a block.
+ALWAYS void N(fetch_margin)(const LthFastLevel *L, const LitheIndex *near, int row,
+                            const REAL *values, LitheCount stride) {
+  if (row % (DIM == 3 ? 4 : SIDE)) return;
+  const int n = row / 4, plane = DIM == 3 && n >= SIDE;
+  const LitheIndex block = near[N_NEAR / 2 + (plane ? 9 : 3)];
+  if (block < 0) return;
+  const int at = plane ? n - SIDE : n * SIDE;
+  N(fetch_row)(values + L->row[block * (LitheCount)BLOCK_ROWS + at] * stride);
 }
 
-/// Fetch the rows that a block reads of those that follow it along y and z: nobody has touched them before.
-ALWAYS void N(fetch_margin)(const LthFastLevel *L, LitheIndex block, const REAL *values,
-                            LitheCount stride) {
-  const LitheIndex *to = L->grid->neighbor + (LitheCount)block * N_NEAR + (DIM == 3 ? 9 : 0);
-  const LitheIndex *y = to[7] < 0 ? NULL : L->row + to[7] * (LitheCount)BLOCK_ROWS;
-  for (int k = 0; y && k < DEEP; k++) N(fetch_row)(values + y[k * SIDE] * stride);
-#if DIM == 3
-  const LitheIndex *z = to[9 + 4] < 0 ? NULL : L->row + to[9 + 4] * (LitheCount)BLOCK_ROWS;
-  for (int j = 0; z && j < SIDE; j++) N(fetch_row)(values + z[j] * stride);
-#endif
+/// How much component c grows along an axis from row r, place x.
+ALWAYS N(Lane) N(rise)(const N(Rows) * rows, int c, int axis, int r, int x, int i) {
+  return N(at)(rows, c, r + UP(axis), x + (axis == 0), i) - N(at)(rows, c, r, x, i);
 }
 
-/// y = A u in a row of a block where coefficients are constant: laplacian and gradient of the divergence.
+/// Divergence in the cells of row r, place x, times h_x.
+ALWAYS N(Lane) N(divergence)(const N(Rows) * rows, const REAL ratio[3], int r, int x, int i) {
+  N(Lane) sum = N(rise)(rows, 0, 0, r, x, i) * ratio[0];
+  UNROLL
+  for (int a = 1; a < DIM; a++) sum += N(rise)(rows, a, a, r, x, i) * ratio[a];
+  return sum;
+}
+
+/// A u where coefficients are constant: laplacian and gradient of the divergence.
 typedef struct N(Constant) {
-  REAL inertia, side[DIM][DIM], cross[3]; ///< cross[a + b - 1]
+  REAL inertia, laplacian[3], gradient[3], ratio[3];
 } N(Constant);
 
 ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ratio[3]) {
   N(Constant) c = {.inertia = inertia};
+  UNROLL
   for (int a = 0; a < DIM; a++) {
-    for (int b = 0; b < DIM; b++) {
-      c.side[a][b] = (b == a ? 2 * mu + lambda : mu) * ratio[b] * ratio[b];
-      if (b > a) c.cross[a + b - 1] = (lambda + mu) * ratio[a] * ratio[b];
-    }
+    c.ratio[a] = ratio[a];
+    c.laplacian[a] = mu * ratio[a] * ratio[a];
+    c.gradient[a] = (lambda + mu) * ratio[a];
   }
   return c;
 }
 
-ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, REAL *y) {
-  const N(Lane) u = N(own)(rows, 0, r, i), v = N(own)(rows, 1, r, i);
-  const N(Lane) ulo = N(low)(rows, 0, r, i), uhi = N(high)(rows, 0, r, i);
-  const N(Lane) vlo = N(low)(rows, 1, r, i), vhi = N(high)(rows, 1, r, i);
-  const N(Lane) uy0 = N(own)(rows, 0, r - 1, i), uy1 = N(own)(rows, 0, r + 1, i);
-  const N(Lane) vy0 = N(own)(rows, 1, r - 1, i), vy1 = N(own)(rows, 1, r + 1, i);
-  N(Lane)
-  x = c->inertia * u + c->side[0][0] * ((u - ulo) - (uhi - u)) +
-      c->side[0][1] * ((u - uy0) - (uy1 - u)) -
-      c->cross[0] * ((vy1 - v) - (N(low)(rows, 1, r + 1, i) - vlo));
-  N(Lane)
-  z1 = c->inertia * v + c->side[1][0] * ((v - vlo) - (vhi - v)) +
-       c->side[1][1] * ((v - vy0) - (vy1 - v)) -
-       c->cross[0] * ((uhi - u) - (N(high)(rows, 0, r - 1, i) - uy0));
-#if DIM == 3
-  const N(Lane) w = N(own)(rows, 2, r, i);
-  const N(Lane) wlo = N(low)(rows, 2, r, i), whi = N(high)(rows, 2, r, i);
-  const N(Lane) wy0 = N(own)(rows, 2, r - 1, i), wy1 = N(own)(rows, 2, r + 1, i);
-  const N(Lane) uz0 = N(own)(rows, 0, r - ROWS_Z, i), uz1 = N(own)(rows, 0, r + ROWS_Z, i);
-  const N(Lane) vz0 = N(own)(rows, 1, r - ROWS_Z, i), vz1 = N(own)(rows, 1, r + ROWS_Z, i);
-  const N(Lane) wz0 = N(own)(rows, 2, r - ROWS_Z, i), wz1 = N(own)(rows, 2, r + ROWS_Z, i);
-  x += c->side[0][2] * ((u - uz0) - (uz1 - u)) -
-       c->cross[1] * ((wz1 - w) - (N(low)(rows, 2, r + ROWS_Z, i) - wlo));
-  z1 += c->side[1][2] * ((v - vz0) - (vz1 - v)) -
-        c->cross[2] * ((wz1 - w) - (N(own)(rows, 2, r + ROWS_Z - 1, i) - wy0));
-  N(store)
-  (y + 2 * SIDE, c->inertia * w + c->side[2][0] * ((w - wlo) - (whi - w)) +
-                     c->side[2][1] * ((w - wy0) - (wy1 - w)) +
-                     c->side[2][2] * ((w - wz0) - (wz1 - w)) -
-                     c->cross[1] * ((uhi - u) - (N(high)(rows, 0, r - ROWS_Z, i) - uz0)) -
-                     c->cross[2] * ((vy1 - v) - (N(own)(rows, 1, r - ROWS_Z + 1, i) - vz0)));
-#endif
-  N(store)(y, x);
-  N(store)(y + SIDE, z1);
+/// f = A u in row r.
+ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
+                           N(Lane) f[DIM]) {
+  const N(Lane) here = N(divergence)(rows, c->ratio, r, 0, i);
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const N(Lane) before = N(divergence)(rows, c->ratio, r - UP(a), -(a == 0), i);
+    f[a] = c->inertia * N(at)(rows, a, r, 0, i) - c->gradient[a] * (here - before);
+    UNROLL
+    for (int b = 0; b < DIM; b++)
+      f[a] += c->laplacian[b] *
+              (N(rise)(rows, a, b, r - UP(b), -(b == 0), i) - N(rise)(rows, a, b, r, 0, i));
+  }
 }
 
-/// y = A u in a block.
-ALWAYS void N(uniform_rows)(const N(Rows) * rows, const N(Constant) * c, const N(Ahead) * ahead,
-                            REAL *y) {
-  for (int k = 0; k < DEEP; k++)
-    for (int j = 0; j < SIDE; j++) {
-      const int row = k * SIDE + j;
-      N(fetch)(ahead, row);
-      for (int i = 0; i < SIDE; i += LANES)
-        N(uniform_row)(rows, c, ROW(j, k), i, y + row * WIDTH + i);
-    }
-}
-
-#define N_EDGE_ROWS ((SIDE + 1) * (DIM == 3 ? SIDE + 1 : 1))
-#define CELL_ROW(j, k) (((k)-FIRST_K) * (SIDE + 1) + (j) + 1) // rows -1 ... SIDE - 1
-#define EDGE_ROW(j, k) ((k) * (SIDE + 1) + (j))               // rows 0 ... SIDE
 #define N_SHEAR (DIM == 3 ? 3 : 1)
-#define XY (DIM == 3 ? 2 : 0) // place of a shear in arrays of them; that along x is 0, y 1
+#define SHEAR(a, b) (DIM == 3 ? 3 - (a) - (b) : 0) // place of a shear in arrays of them
 
-/// Coefficients of a general block: rows of cells (from -1 on) and of edges (up to SIDE) by their offsets.
+/// Coefficients of a general block, in rows of samples.
 typedef struct N(Samples) {
   const REAL *lambda, *mu, *shear[N_SHEAR];
-  LitheCount cell[N_EDGE_ROWS], edge[N_EDGE_ROWS];
-  const LthStaggeredLevel *level;
-  LitheCount stride;         ///< from row to row of samples
-  LitheIndex before, behind; ///< blocks along x, -1: none
+  LitheCount stride; ///< from row to row of samples
+  LitheIndex
+      here[N_ROWS]; ///< which they are, for rows of the block and of those around it along y and z
+  LitheIndex before[BLOCK_ROWS], behind[BLOCK_ROWS]; ///< for those beside it along x
+  REAL ratio[3], scale;                              ///< scale: of the result
 } N(Samples);
 
-/// Offset of row (j, k) of a block's samples, of those of the next block where j or k is one beyond.
-ALWAYS LitheCount N(sample_row)(const N(Samples) * c, LitheIndex block, int j, int k) {
-  const int at = (k & (DEEP - 1)) * SIDE + (j & (SIDE - 1));
-  const LthStaggeredLevel *l = c->level;
-  return c->stride * (block < 0 ? l->n_rows : l->row[block * (LitheCount)BLOCK_ROWS + at]);
+/// Rows of samples of a block; those of zeros where it is not there.
+ALWAYS void N(copy_numbers)(const LthStaggeredLevel *l, LitheIndex block, int first, int n,
+                            LitheIndex *to) {
+  for (int r = 0; r < n; r++)
+    to[r] = block < 0 ? l->n_rows : l->row[block * (LitheCount)BLOCK_ROWS + first + r];
 }
 
-ALWAYS void N(find_samples)(LitheIndex block, N(Samples) * c) {
-  const LitheIndex *to = c->level->grid->neighbor + (LitheCount)block * N_NEAR;
-  for (int k = FIRST_K; k < DEEP; k++) {
-    const LitheIndex *plane = to + (DIM == 3 && k >= 0 ? 9 : 0);
-    for (int j = -1; j < SIDE; j++)
-      c->cell[CELL_ROW(j, k)] = N(sample_row)(c, plane[j < 0 ? 1 : 4], j, k);
-  }
-  for (int k = 0; k < DEEP - FIRST_K; k++) {
-    const LitheIndex *plane = to + (DIM == 3 ? k < DEEP ? 9 : 18 : 0);
-    for (int j = 0; j <= SIDE; j++)
-      c->edge[EDGE_ROW(j, k)] = N(sample_row)(c, plane[j < SIDE ? 4 : 7], j, k);
-  }
-  c->before = to[N_NEAR / 2 - 1];
-  c->behind = to[N_NEAR / 2 + 1];
-}
-
-ALWAYS N(Lane) N(normal_of)(const N(Lane) e[DIM], N(Lane) lambda, N(Lane) mu, N(Lane) s[DIM]) {
-  N(Lane) trace = e[0] + e[1];
-#if DIM == 3
-  trace += e[2];
-#endif
-  const N(Lane) pressure = lambda * trace, mu2 = mu + mu;
-  for (int a = 0; a < DIM; a++) s[a] = mu2 * e[a] + pressure;
-  return trace;
-}
-
-/// Normal stresses of row (j, k) of cells.
-ALWAYS void N(normal)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j, int k,
-                      int i, N(Lane) s[DIM]) {
-  const int r = ROW(j, k), q = CELL_ROW(j, k);
-  N(Lane) e[DIM];
-  e[0] = (N(high)(rows, 0, r, i) - N(own)(rows, 0, r, i)) * ratio[0];
-  e[1] = (N(own)(rows, 1, r + 1, i) - N(own)(rows, 1, r, i)) * ratio[1];
-#if DIM == 3
-  e[2] = (N(own)(rows, 2, r + ROWS_Z, i) - N(own)(rows, 2, r, i)) * ratio[2];
-#endif
-  N(normal_of)(e, N(load)(c->lambda + c->cell[q] + i), N(load)(c->mu + c->cell[q] + i), s);
-}
-
-/// Shear stresses of row (j, k) of edges.
-ALWAYS N(Lane) N(shear_xy)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                           int k, int i) {
-  const int r = ROW(j, k);
-  return N(load)(c->shear[XY] + c->edge[EDGE_ROW(j, k)] + i) *
-         ((N(own)(rows, 0, r, i) - N(own)(rows, 0, r - 1, i)) * ratio[1] +
-          (N(own)(rows, 1, r, i) - N(low)(rows, 1, r, i)) * ratio[0]);
-}
-#if DIM == 3
-ALWAYS N(Lane) N(shear_yz)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                           int k, int i) {
-  const int r = ROW(j, k);
-  return N(load)(c->shear[0] + c->edge[EDGE_ROW(j, k)] + i) *
-         ((N(own)(rows, 1, r, i) - N(own)(rows, 1, r - ROWS_Z, i)) * ratio[2] +
-          (N(own)(rows, 2, r, i) - N(own)(rows, 2, r - 1, i)) * ratio[1]);
-}
-ALWAYS N(Lane) N(shear_zx)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                           int k, int i) {
-  const int r = ROW(j, k);
-  return N(load)(c->shear[1] + c->edge[EDGE_ROW(j, k)] + i) *
-         ((N(own)(rows, 2, r, i) - N(low)(rows, 2, r, i)) * ratio[0] +
-          (N(own)(rows, 0, r, i) - N(own)(rows, 0, r - ROWS_Z, i)) * ratio[2]);
-}
-#endif
-
-/// Normal stress along x of the cell before row (j, k).
-ALWAYS REAL N(normal_before)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                             int k) {
-  const int r = ROW(j, k), last = SIDE - 1;
-  const LitheCount at = N(sample_row)(c, c->before, j, k) + last;
-  const REAL *const *x = rows->at[0];
-  const REAL e = (rows->at[1][r][0] - x[r][last]) * ratio[0];
-  REAL trace = e + (x[r + 1][SIDE + last] - x[r][SIDE + last]) * ratio[1];
-#if DIM == 3
-  trace += (x[r + ROWS_Z][2 * SIDE + last] - x[r][2 * SIDE + last]) * ratio[2];
-#endif
-  return 2 * c->mu[at] * e + c->lambda[at] * trace;
-}
-
-/// Shear stresses of the edges behind row (j, k).
-ALWAYS REAL N(xy_behind)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                         int k) {
-  const int r = ROW(j, k);
-  const REAL *const *x = rows->at[2];
-  return c->shear[XY][N(sample_row)(c, c->behind, j, k)] *
-         ((x[r][0] - x[r - 1][0]) * ratio[1] +
-          (x[r][SIDE] - rows->at[1][r][2 * SIDE - 1]) * ratio[0]);
-}
-#if DIM == 3
-ALWAYS REAL N(zx_behind)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3], int j,
-                         int k) {
-  const int r = ROW(j, k);
-  const REAL *const *x = rows->at[2];
-  return c->shear[1][N(sample_row)(c, c->behind, j, k)] *
-         ((x[r][2 * SIDE] - rows->at[1][r][3 * SIDE - 1]) * ratio[0] +
-          (x[r][0] - x[r - ROWS_Z][0]) * ratio[2]);
-}
-#endif
-
-/// Stresses of one plane of rows; those of the planes below and above where they are of use.
-typedef struct N(Plane) {
-  REAL xx[SIDE][SIDE], yy[SIDE + 1][SIDE], xy[SIDE + 1][SIDE];
-#if DIM == 3
-  REAL zz[2][SIDE][SIDE], yz[2][SIDE + 1][SIDE], zx[2][SIDE][SIDE];
-#endif
-} N(Plane);
-
-/// A row of which lane 0 (or the last) is another value.
-ALWAYS N(Lane) N(all)(REAL value) { return (N(Lane)){0} + value; }
-ALWAYS N(Lane) N(row_low)(const REAL *row, int i, REAL before) {
-  return i > 0 ? N(load)(row + i - 1) : N(shift_down)(N(all)(before), N(load)(row));
-}
-ALWAYS N(Lane) N(row_high)(const REAL *row, int i, REAL behind) {
-  return i + LANES < SIDE ? N(load)(row + i + 1) : N(shift_up)(N(load)(row + i), N(all)(behind));
-}
-
-/// Bits of the rows of plane k among those of a block, none where there is no such plane.
-ALWAYS unsigned N(plane_of)(uint64_t rows, int k) {
-  return k < 0 || k >= DEEP ? 0 : (unsigned)(rows >> (k * SIDE)) & ((1U << SIDE) - 1);
-}
-
-#if DIM == 3
-/// Shear stresses of plane k + 1, as far as `wanted` rows of it and of the plane below read them.
-ALWAYS void N(next_plane)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
-                          uint64_t wanted, int k, N(Plane) * P) {
-  const int above = (k + 1) & 1;
-  const unsigned low = N(plane_of)(wanted, k), high = N(plane_of)(wanted, k + 1);
-  const unsigned yz = low | high | high << 1, zx = low | high;
-  for (int j = 0; j <= SIDE; j++)
-    if (yz >> j & 1) N(store)(P->yz[above][j], N(shear_yz)(rows, c, ratio, j, k + 1, 0));
-  for (int j = 0; j < SIDE; j++)
-    if (zx >> j & 1) N(store)(P->zx[above][j], N(shear_zx)(rows, c, ratio, j, k + 1, 0));
-}
-#endif
-
-/// Other stresses of plane k, as far as `wanted` rows of it and of the plane above read them.
-ALWAYS void N(find_plane_stresses)(const N(Rows) * rows, const N(Samples) * c, const REAL ratio[3],
-                                   uint64_t wanted, int k, N(Plane) * P) {
-  const unsigned here = N(plane_of)(wanted, k), above = N(plane_of)(wanted, k + 1);
-  const unsigned cells = here | here << 1 | above << 1,
-                 edges = here | here << 1; // cells: row j at bit j + 1
-  for (int j = -1; j < SIDE; j++)
-    for (int i = 0; (cells >> (j + 1) & 1) && i < SIDE; i += LANES) {
-      N(Lane) s[DIM];
-      N(normal)(rows, c, ratio, j, k, i, s);
-      N(store)(P->yy[j + 1] + i, s[1]);
-      if (j < 0) continue;
-      N(store)(P->xx[j] + i, s[0]);
-#if DIM == 3
-      N(store)(P->zz[k & 1][j], s[2]);
-#endif
-    }
-  for (int j = 0; j <= SIDE; j++)
-    for (int i = 0; (edges >> j & 1) && i < SIDE; i += LANES)
-      N(store)(P->xy[j] + i, N(shear_xy)(rows, c, ratio, j, k, i));
-}
-
-/// Row (j, k) from the stresses around it.
-ALWAYS void N(add_row)(const N(Plane) * P, const N(Rows) * rows, const N(Samples) * c,
-                       const REAL ratio[3], int j, int k, REAL *y) {
-  const REAL before = N(normal_before)(rows, c, ratio, j, k),
-             xy_behind = N(xy_behind)(rows, c, ratio, j, k);
-#if DIM == 3
-  const REAL zx_behind = N(zx_behind)(rows, c, ratio, j, k);
-#endif
-  for (int i = 0; i < SIDE; i += LANES) {
-    const N(Lane) xy = N(load)(P->xy[j] + i);
-    N(Lane)
-    fx = (N(row_low)(P->xx[j], i, before) - N(load)(P->xx[j] + i)) * ratio[0] -
-         (N(load)(P->xy[j + 1] + i) - xy) * ratio[1];
-    N(Lane)
-    fy = (N(load)(P->yy[j] + i) - N(load)(P->yy[j + 1] + i)) * ratio[1] -
-         (N(row_high)(P->xy[j], i, xy_behind) - xy) * ratio[0];
-#if DIM == 3
-    const int here = k & 1, above = here ^ 1;
-    const N(Lane) yz = N(load)(P->yz[here][j]), zx = N(load)(P->zx[here][j]);
-    fx -= (N(load)(P->zx[above][j]) - zx) * ratio[2];
-    fy -= (N(load)(P->yz[above][j]) - yz) * ratio[2];
-    N(store)
-    (y + 2 * SIDE, (N(load)(P->zz[above][j]) - N(load)(P->zz[here][j])) * ratio[2] -
-                       (N(row_high)(P->zx[here][j], 0, zx_behind) - zx) * ratio[0] -
-                       (N(load)(P->yz[here][j + 1]) - yz) * ratio[1]);
-#endif
-    N(store)(y + i, fx);
-    N(store)(y + SIDE + i, fy);
-  }
-}
-
-/// y = K u in the rows of a general block that are alive: plain ones with constant coefficients.
-ALWAYS void N(general_rows)(const N(Rows) * rows, const N(Samples) * c, const N(Constant) * same,
-                            const REAL ratio[3], uint64_t alive, uint64_t plain,
-                            const N(Ahead) * ahead, REAL *y) {
-  const uint64_t wanted = alive & ~plain;
-  N(Plane) P;
-#if DIM == 3
-  for (int j = 0; j < SIDE; j++) {
-    if (!(wanted >> j & 1)) continue;
-    N(Lane) s[DIM];
-    N(normal)(rows, c, ratio, j, -1, 0, s);
-    N(store)(P.zz[1][j], s[2]);
-  }
-  N(next_plane)(rows, c, ratio, wanted, -1, &P);
-#endif
+ALWAYS void N(find_samples)(const LthStaggeredLevel *l, const LitheIndex near[N_NEAR],
+                            N(Samples) * c) {
+  const LitheIndex *block = near + N_NEAR / 2;
+  N(copy_numbers)(l, block[-1], 0, BLOCK_ROWS, c->before);
+  N(copy_numbers)(l, block[1], 0, BLOCK_ROWS, c->behind);
   for (int k = 0; k < DEEP; k++) {
-    for (int j = 0; j < SIDE; j++) N(fetch)(ahead, k * SIDE + j);
-    N(find_plane_stresses)(rows, c, ratio, wanted, k, &P);
-#if DIM == 3
-    N(next_plane)(rows, c, ratio, wanted, k, &P);
-#endif
-    for (int j = 0; j < SIDE; j++) {
-      const int row = k * SIDE + j;
-      REAL *to = y + row * WIDTH;
-      if (wanted >> row & 1) N(add_row)(&P, rows, c, ratio, j, k, to);
-      for (int i = 0; (plain >> row & 1) && i < SIDE; i += LANES)
-        N(uniform_row)(rows, same, ROW(j, k), i, to + i);
+    N(copy_numbers)(l, block[-3], k * SIDE + SIDE - 1, 1, c->here + ROW(-1, k));
+    N(copy_numbers)(l, block[0], k * SIDE, SIDE, c->here + ROW(0, k));
+    N(copy_numbers)(l, block[3], k * SIDE, 1, c->here + ROW(SIDE, k));
+  }
+  if (DIM == 2) return;
+  N(copy_numbers)(l, block[-9], BLOCK_ROWS - SIDE, SIDE, c->here + ROW(0, FIRST_K));
+  N(copy_numbers)(l, block[9], 0, SIDE, c->here + ROW(0, DEEP));
+}
+
+/// Fetch coefficients: rows that differ stand one after the other.
+ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
+  __builtin_prefetch(c->lambda + at, 0, 2);
+  __builtin_prefetch(c->mu + at, 0, 2);
+  UNROLL
+  for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + at, 0, 2);
+}
+
+/// Normal stress along axis a in the cells of row r, place x.
+ALWAYS N(Lane) N(normal)(const N(Rows) * rows, const N(Samples) * c, N(Lane) lambda, N(Lane) mu,
+                         int a, int r, int x, int i) {
+  const N(Lane) pressure = lambda * N(divergence)(rows, c->ratio, r, x, i);
+  return (mu + mu) * (N(rise)(rows, a, a, r, x, i) * c->ratio[a]) + pressure;
+}
+
+/// Shear stress between axes a and b at the edges of row r, place x.
+ALWAYS N(Lane) N(shear)(const N(Rows) * rows, const N(Samples) * c, N(Lane) mu, int a, int b, int r,
+                        int x, int i) {
+  return mu * (N(rise)(rows, a, b, r - UP(b), x - (b == 0), i) * c->ratio[b] +
+               N(rise)(rows, b, a, r - UP(a), x - (a == 0), i) * c->ratio[a]);
+}
+
+/// f = K u in row (j, k): equation (4).
+ALWAYS void N(general_row)(const N(Rows) * rows, const N(Samples) * c, int j, int k, int i,
+                           N(Lane) f[DIM]) {
+  const int r = ROW(j, k), row = k * SIDE + j;
+  const LitheCount own = c->here[r] * c->stride;
+  const LitheCount before = c->before[row] * c->stride, behind = c->behind[row] * c->stride;
+  const REAL *l = c->lambda, *m = c->mu;
+  const N(Lane) lambda = N(load)(l + own + i), mu = N(load)(m + own + i);
+  N(fetch_samples)(c, own + i + SOON * c->stride);
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const LitheCount low = c->here[r - UP(a)] * c->stride;
+    const int x = -(a == 0);
+    f[a] = N(normal)(rows, c, N(beside)(l + before, l + low, NULL, x, i),
+                     N(beside)(m + before, m + low, NULL, x, i), a, r - UP(a), x, i);
+    f[a] = (f[a] - N(normal)(rows, c, lambda, mu, a, r, 0, i)) * c->ratio[a];
+  }
+  UNROLL
+  for (int b = 0; b < DIM; b++) {
+    const LitheCount high = c->here[r + UP(b)] * c->stride;
+    const int x = b == 0;
+    UNROLL
+    for (int a = 0; a < DIM; a++) {
+      if (a == b) continue;
+      const REAL *s = c->shear[SHEAR(a, b)];
+      const N(Lane) there = N(beside)(NULL, s + high, s + behind, x, i);
+      f[a] -= (N(shear)(rows, c, there, a, b, r + UP(b), x, i) -
+               N(shear)(rows, c, N(load)(s + own + i), a, b, r, 0, i)) *
+              c->ratio[b];
     }
   }
+  UNROLL
+  for (int a = 0; a < DIM; a++) f[a] *= c->scale;
+}
+
+/// The operator in a block.
+typedef struct N(Block) {
+  N(Rows) rows;
+  N(Constant) same; ///< in plain rows
+  N(Samples) samples;
+  uint64_t plain;
+} N(Block);
+
+/// f = K u (in plain rows with the inertia of `same`) in a row of the block, `all_plain`: whose rows are all plain.
+ALWAYS void N(row)(const N(Block) * B, const bool all_plain, int row, int i, N(Lane) f[DIM]) {
+  const int j = row & (SIDE - 1), k = row / SIDE;
+  if (all_plain || B->plain >> row & 1)
+    N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, f);
+  else
+    N(general_row)(&B->rows, &B->samples, j, k, i, f);
 }
