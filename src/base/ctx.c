@@ -18,7 +18,7 @@ struct LitheCtx {
   int threads;
   atomic_bool cancelled;
   atomic_flag is_writing; ///< messages and warnings
-  atomic_llong n_allocs, bytes;
+  atomic_llong n_allocs, bytes, peak;
   char message[LTH_MESSAGE_MAX];
   char **warnings;
   LitheIndex n_warnings;
@@ -216,7 +216,9 @@ void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
   if (!mapped) memset(head, 0, whole);
   head->bytes = whole;
   atomic_fetch_add(&ctx->n_allocs, 1);
-  atomic_fetch_add(&ctx->bytes, (long long)whole);
+  const long long now = atomic_fetch_add(&ctx->bytes, (long long)whole) + (long long)whole;
+  long long peak = atomic_load(&ctx->peak);
+  while (now > peak && !atomic_compare_exchange_weak(&ctx->peak, &peak, now)) continue;
   return head + 1;
 }
 
@@ -241,6 +243,7 @@ void lth_free(LitheCtx *ctx, void *block) {
 
 LitheCount lth_alloc_count(const LitheCtx *ctx) { return atomic_load(&ctx->n_allocs); }
 LitheCount lth_alloc_bytes(const LitheCtx *ctx) { return atomic_load(&ctx->bytes); }
+LitheCount lth_alloc_peak(const LitheCtx *ctx) { return atomic_load(&ctx->peak); }
 
 LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
   *ptr = lth_alloc(ctx, count, size);

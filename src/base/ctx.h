@@ -27,8 +27,9 @@ void lth_free(LitheCtx *ctx, void *block);
 /// Number of allocations so far; tests compare it before and after a step.
 LitheCount lth_alloc_count(const LitheCtx *ctx);
 
-/// Bytes held now.
+/// Bytes held now, and the most that were held at any time: the same in every run on one thread.
 LitheCount lth_alloc_bytes(const LitheCtx *ctx);
+LitheCount lth_alloc_peak(const LitheCtx *ctx);
 
 /// Number of threads that parallel loops use: `num_threads(lth_threads(ctx))`.
 int lth_threads(const LitheCtx *ctx);

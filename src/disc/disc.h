@@ -90,6 +90,8 @@ typedef struct LthDiscSolver {
   /// Diagonal of the `extra` of solves to come (n_dofs), NULL: there is none. Before those whose extra is large next to
   /// K: preconditioners know of it then. Allocates at the first diagonal alone. NULL: makes no use of it.
   LitheStatus (*stiffen)(LitheCtx *ctx, LthDisc *disc, const double *diagonal);
+  /// Free what prepare() has made: force(), diagonal() and apply() go on without it. NULL: nothing to speak of.
+  void (*release)(LitheCtx *ctx, LthDisc *disc);
   LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
 } LthDiscSolver;
 

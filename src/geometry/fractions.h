@@ -30,8 +30,8 @@ typedef struct LthFractions {
       grid; ///< owned. Every cell that holds something is in a block, and so are all within two cells of it
   int n_parts;    ///< 4 or 8
   uint16_t *cell; ///< EMPTY, FULL, or CUT + place among the cut cells of its block      (n_slots)
-  LitheCount
-      *first;    ///< first cut cell of a block, in order                          (n_blocks + 1)
+  LitheCount *
+      first; ///< where parts of a block's cut cells begin; behind the last: of how many cells there are (n_blocks + 1)
   double *part;  ///< in [0, 1], n_parts for each cut cell            (first[n_blocks] x n_parts)
   double volume; ///< of the shape, as the parts have it [m^3]
 } LthFractions;

@@ -1,4 +1,5 @@
-/// Giving parts of cells other fractions: what cells are is decided anew, block by block, and their parts are laid out again.
+/// Giving parts of cells other fractions: what cells are is decided anew, block by block. Parts of blocks in which some differ
+/// stand behind all that were there, which remain for the fractions as they were.
 #include "geometry/fractions_complete.h"
 
 #include <string.h>
@@ -11,7 +12,8 @@ typedef struct Change {
   uint16_t *cell;    // (n_slots)
   LitheCount *first; // (n_blocks + 1)
   double *part;
-  double *sum; // of parts, per block
+  double *sum;      // of parts, per block
+  uint8_t *differs; // some part of a block does                     (n_blocks)
 } Change;
 
 /// Parts of a slot's cell after the change.
@@ -20,7 +22,7 @@ static void parts_after(const Change *c, LitheCount slot, double part[8]) {
   if (c->old->cell[slot] != LTH_CELL_FULL) c->change(c->self, slot, part);
 }
 
-static uint16_t kind_after(const Change *c, LitheCount slot, double *sum) {
+static uint16_t kind_after(const Change *c, LitheCount slot, double *sum, uint8_t *differs) {
   bool any = false, all = true;
   double part[8];
   parts_after(c, slot, part);
@@ -28,6 +30,7 @@ static uint16_t kind_after(const Change *c, LitheCount slot, double *sum) {
     *sum += part[q];
     any = any || part[q] > 0;
     all = all && part[q] == 1;
+    *differs |= part[q] != lth_fractions_part(c->old, slot, q);
   }
   return all ? LTH_CELL_FULL : any ? LTH_CELL_CUT : LTH_CELL_EMPTY;
 }
@@ -40,7 +43,7 @@ static void classify(LitheCtx *ctx, Change *c) {
     LitheCount slot = (LitheCount)block * g->block_cells, end = slot + g->block_cells;
     uint16_t n_cut = 0;
     for (; slot < end; slot++) {
-      uint16_t kind = kind_after(c, slot, &c->sum[block]);
+      uint16_t kind = kind_after(c, slot, &c->sum[block], &c->differs[block]);
       c->cell[slot] = kind == LTH_CELL_CUT ? (uint16_t)(LTH_CELL_CUT + n_cut++) : kind;
     }
     c->first[block + 1] = n_cut;
@@ -52,7 +55,7 @@ static void copy_parts(LitheCtx *ctx, const Change *c) {
   const LthSparseGrid *g = f->grid;
 #pragma omp parallel for schedule(dynamic, 4) num_threads(lth_threads(ctx))
   for (LitheIndex block = 0; block < g->n_blocks; block++)
-    for (LitheIndex local = 0; local < g->block_cells; local++) {
+    for (LitheIndex local = 0; c->differs[block] && local < g->block_cells; local++) {
       LitheCount slot = (LitheCount)block * g->block_cells + local;
       double part[8];
       if (c->cell[slot] < LTH_CELL_CUT) continue;
@@ -62,12 +65,30 @@ static void copy_parts(LitheCtx *ctx, const Change *c) {
     }
 }
 
+/// Where parts of blocks begin, and room for those that differ behind the others. `first` has counts of cut cells, one
+/// block further on, before.
+static LitheStatus lay_out(LitheCtx *ctx, Change *c) {
+  const LthFractions *f = c->old;
+  const LitheIndex n = f->grid->n_blocks;
+  LitheCount end = f->first[n];
+  for (LitheIndex b = 0; b < n; b++) {
+    const LitheCount n_cut = c->first[b + 1];
+    c->first[b] = c->differs[b] ? end : f->first[b];
+    end += c->differs[b] ? n_cut : 0;
+  }
+  c->first[n] = end;
+  LTH_NEW(ctx, c->part, end * f->n_parts);
+  memcpy(c->part, f->part, sizeof *f->part * (size_t)(f->first[n] * f->n_parts));
+  return LITHE_OK;
+}
+
 /// Put the new parts in place of the old ones, which `before` gets.
-static void exchange(LthFractions *f, Change *c, LthFractions *before) {
+static void exchange(LitheCtx *ctx, LthFractions *f, Change *c, LthFractions *before) {
+  lth_free(ctx, f->part);
+  f->part = c->part;
   *before = *f;
   f->cell = c->cell;
   f->first = c->first;
-  f->part = c->part;
   c->cell = NULL;
   c->first = NULL;
   c->part = NULL;
@@ -82,20 +103,19 @@ LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *f, LthPartChange c
   LTH_NEW_OR(done, ctx, c.cell, g->n_slots);
   LTH_NEW_OR(done, ctx, c.first, (LitheCount)g->n_blocks + 1);
   LTH_NEW_OR(done, ctx, c.sum, g->n_blocks);
+  LTH_NEW_OR(done, ctx, c.differs, g->n_blocks);
   classify(ctx, &c);
-  for (LitheIndex b = 0; b < g->n_blocks; b++) {
-    c.first[b + 1] += c.first[b];
-    sum += c.sum[b];
-  }
-  LTH_NEW_OR(done, ctx, c.part, c.first[g->n_blocks] * f->n_parts);
+  for (LitheIndex b = 0; b < g->n_blocks; b++) sum += c.sum[b];
+  LITHE_TRY_OR(done, lay_out(ctx, &c));
   copy_parts(ctx, &c);
-  exchange(f, &c, before);
+  exchange(ctx, f, &c, before);
   f->volume = sum * lth_sparse_grid_cell_volume(g) / f->n_parts;
 done:
   lth_free(ctx, c.cell);
   lth_free(ctx, c.first);
   lth_free(ctx, c.part);
   lth_free(ctx, c.sum);
+  lth_free(ctx, c.differs);
   return status;
 }
 
@@ -132,6 +152,5 @@ done:
 void lth_fractions_forget(LitheCtx *ctx, LthFractions *before) {
   lth_free(ctx, before->cell);
   lth_free(ctx, before->first);
-  lth_free(ctx, before->part);
   *before = (LthFractions){0};
 }

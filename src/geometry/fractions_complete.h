@@ -8,7 +8,7 @@
 typedef void (*LthPartChange)(const void *self, LitheCount slot, double *part);
 
 /// Change parts; `volume` is that of what they have become. `before` gets the parts as they were: it borrows the grid of
-/// `fractions`, and its arrays are freed by lth_fractions_forget().
+/// `fractions` and, until these are changed again, the parts of blocks; its own arrays are freed by lth_fractions_forget().
 LitheStatus lth_fractions_change(LitheCtx *ctx, LthFractions *fractions, LthPartChange change,
                                  const void *self, LthFractions *before);
 void lth_fractions_forget(LitheCtx *ctx, LthFractions *before);

@@ -31,7 +31,7 @@ LitheStatus lth_grid_corners_create(LitheCtx *ctx, const LthGridCells *cells,
                                     LthGridCorners **corners);
 void lth_grid_corners_destroy(LitheCtx *ctx, LthGridCorners **corners);
 
-/// Write the cells as hexahedra (2D: quadrilaterals) with their corners at `points` (n x 3) and arrays of the corners.
+/// Write the cells as hexahedra (2D: quadrilaterals) with their corners at `points` (3 components) and arrays of the corners.
 LitheStatus lth_grid_voxels_write(LitheCtx *ctx, const char *path, const LthGridCells *cells,
-                                  const LthGridCorners *corners, const double *points, int n_arrays,
-                                  const LthVtuArray *arrays);
+                                  const LthGridCorners *corners, const LthVtuArray *points,
+                                  int n_arrays, const LthVtuArray *arrays);

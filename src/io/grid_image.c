@@ -32,27 +32,43 @@ typedef struct Source {
   Box box;
 } Source;
 
+/// Values of `n` cells on a line along x of the image, beginning with one that has a slot or a run of cells that have none;
+/// returns how many cells these are. `row` NULL: nothing is there.
+static LitheCount next_cells(const Source *s, LitheCount at, double room[LTH_VTK_COMPONENTS],
+                             const double **row) {
+  const LthGridCells *c = s->cells;
+  const LitheCount nx = s->box.high[0] - s->box.low[0], ny = s->box.high[1] - s->box.low[1];
+  const LitheIndex x = s->box.low[0] + (LitheIndex)(at % nx), side = c->grid->side;
+  const LitheCount slot =
+      lth_sparse_grid_slot(c->grid, x, s->box.low[1] + (LitheIndex)(at / nx % ny),
+                           s->box.low[2] + (LitheIndex)(at / nx / ny));
+  *row = NULL;
+  if (slot < 0) { // nor have the others of its block
+    const LitheIndex end = (x / side + 1) * side;
+    return (end < s->box.high[0] ? end : s->box.high[0]) - x;
+  }
+  if (c->cell[slot] >= 0) *row = lth_vtk_row(s->array, c->cell[slot], room);
+  return 1;
+}
+
 /// Floats of the image from number `first` on: x fastest, then y, then z, components together.
 static void fill(const void *self, LitheCount first, LitheCount n, unsigned char *to) {
   const Source *s = self;
-  const LthGridCells *c = s->cells;
-  LitheCount nx = s->box.high[0] - s->box.low[0], ny = s->box.high[1] - s->box.low[1];
-  LitheCount number = first / (LitheCount)sizeof(float),
-             end = (first + n) / (LitheCount)sizeof(float);
-  int m = s->array->components;
-  LitheCount at = -1, slot = -1;
-  for (; number < end; number++, to += sizeof(float)) {
-    float value = 0;
-    if (number / m != at) {
-      at = number / m;
-      slot = lth_sparse_grid_slot(c->grid, s->box.low[0] + (LitheIndex)(at % nx),
-                                  s->box.low[1] + (LitheIndex)(at / nx % ny),
-                                  s->box.low[2] + (LitheIndex)(at / nx / ny));
+  const int m = s->array->components;
+  LitheCount number = first / (LitheCount)sizeof(float);
+  const LitheCount end = (first + n) / (LitheCount)sizeof(float);
+  memset(to, 0, (size_t)n);
+  while (number < end) {
+    double room[LTH_VTK_COMPONENTS];
+    const double *row;
+    LitheCount next = (number / m + next_cells(s, number / m, room, &row)) * m;
+    if (next > end) next = end;
+    for (LitheCount i = number; row && i < next; i++) {
+      const float value = (float)row[lth_vtk_component(m, (int)(i % m))];
+      memcpy(to + (i - number) * (LitheCount)sizeof value, &value, sizeof value);
     }
-    LitheIndex cell = slot < 0 ? -1 : c->cell[slot];
-    if (cell >= 0)
-      value = (float)s->array->data[(LitheCount)cell * m + lth_vtk_component(m, (int)(number % m))];
-    memcpy(to, &value, sizeof value);
+    to += (next - number) * (LitheCount)sizeof(float);
+    number = next;
   }
 }
 

@@ -102,15 +102,15 @@ static void fill_types(const void *self, LitheCount first, LitheCount n, unsigne
 
 /// Blocks in the order of the file: points, their arrays, those of the cells, connectivity, offsets, types.
 static LitheStatus encode(LitheCtx *ctx, const LthGridCells *c, const LthGridCorners *corners,
-                          const double *points, int n_arrays, const LthVtuArray *arrays,
+                          const LthVtuArray *points, int n_arrays, const LthVtuArray *arrays,
                           LthVtuBlock *blocks) {
   Topology topology = {corners, corners_of(c->grid)};
   LitheCount n = c->n_cells;
-  LITHE_TRY(lth_vtk_encode_rows(ctx, corners->n, 3, points, blocks++));
+  LITHE_TRY(lth_vtk_encode_array(ctx, corners->n, points, blocks++));
   for (int i = 0; i < n_arrays; i++)
-    LITHE_TRY(lth_vtk_encode_rows(ctx, corners->n, arrays[i].components, arrays[i].data, blocks++));
+    LITHE_TRY(lth_vtk_encode_array(ctx, corners->n, &arrays[i], blocks++));
   for (int i = 0; i < c->n_arrays; i++)
-    LITHE_TRY(lth_vtk_encode_rows(ctx, n, c->arrays[i].components, c->arrays[i].data, blocks++));
+    LITHE_TRY(lth_vtk_encode_array(ctx, n, &c->arrays[i], blocks++));
   LITHE_TRY(lth_vtu_block_stream(ctx, fill_connectivity, &topology, 8 * n * topology.m, blocks++));
   LITHE_TRY(lth_vtu_block_stream(ctx, fill_offsets, &topology, 8 * n, blocks++));
   return lth_vtu_block_stream(ctx, fill_types, &topology, n, blocks);
@@ -139,8 +139,8 @@ static void put_head(FILE *out, const LthGridCells *c, LitheIndex n_points, int 
 }
 
 LitheStatus lth_grid_voxels_write(LitheCtx *ctx, const char *path, const LthGridCells *cells,
-                                  const LthGridCorners *corners, const double *points, int n_arrays,
-                                  const LthVtuArray *arrays) {
+                                  const LthGridCorners *corners, const LthVtuArray *points,
+                                  int n_arrays, const LthVtuArray *arrays) {
   LitheStatus status = LITHE_OK;
   LthFileWriter writer;
   LthVtuBlock *blocks = NULL;

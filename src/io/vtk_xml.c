@@ -4,24 +4,39 @@
 #include "io/number_text.h"
 #include "io/xml_tag.h"
 
+#include <string.h>
+
 int lth_vtk_component(int components, int k) {
   // ours is xx yy zz yz zx xy, VTK's xx yy zz xy yz zx
   static const int symmetric[6] = {0, 1, 2, 5, 3, 4};
   return components == 6 ? symmetric[k] : k;
 }
 
+/// Floats of an array from number `first / 4` on.
+static void fill_rows(const void *self, LitheCount first, LitheCount n, unsigned char *to) {
+  const LthVtuArray *array = self;
+  const int m = array->components;
+  const LitheCount end = (first + n) / (LitheCount)sizeof(float);
+  double room[LTH_VTK_COMPONENTS];
+  const double *row = NULL;
+  LitheCount at = -1;
+  for (LitheCount i = first / (LitheCount)sizeof(float); i < end; i++, to += sizeof(float)) {
+    if (i / m != at) row = lth_vtk_row(array, at = i / m, room);
+    const float value = (float)row[lth_vtk_component(m, (int)(i % m))];
+    memcpy(to, &value, sizeof value);
+  }
+}
+
+LitheStatus lth_vtk_encode_array(LitheCtx *ctx, LitheCount n, const LthVtuArray *array,
+                                 LthVtuBlock *block) {
+  return lth_vtu_block_stream(ctx, fill_rows, array,
+                              (LitheCount)sizeof(float) * n * array->components, block);
+}
+
 LitheStatus lth_vtk_encode_rows(LitheCtx *ctx, LitheCount n, int components, const double *data,
                                 LthVtuBlock *block) {
-  float *narrow = NULL;
-  LitheCount count = n * components;
-  LTH_NEW(ctx, narrow, count);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount i = 0; i < n; i++)
-    for (int k = 0; k < components; k++)
-      narrow[i * components + k] = (float)data[i * components + lth_vtk_component(components, k)];
-  LitheStatus status = lth_vtu_block_encode(ctx, narrow, (LitheCount)sizeof *narrow * count, block);
-  lth_free(ctx, narrow);
-  return status;
+  const LthVtuArray array = {.components = components, .data = data};
+  return lth_vtk_encode_array(ctx, n, &array, block);
 }
 
 void lth_vtk_put_opening(FILE *out, const char *type) {

@@ -15,13 +15,32 @@
 typedef struct LthVtuArray {
   const char *name;
   int components; ///< 1, 3, 9, or 6: a symmetric tensor xx yy zz yz zx xy (VTK's order in the file)
-  const double *data; ///< (n x components)
+  const double *data; ///< (n x components); NULL: rows are computed as they are written
+  void (*value)(const void *self, LitheCount row, double *to); ///< by this; thread-safe
+  const void *self;
 } LthVtuArray;
+
+/// An array of values that are there.
+static inline LthVtuArray lth_vtk_array(const char *name, int components, const double *data) {
+  return (LthVtuArray){.name = name, .components = components, .data = data};
+}
+
+#define LTH_VTK_COMPONENTS 9 ///< most of an array
+
+/// A row of an array; where it is computed, `to` is room for it.
+static inline const double *lth_vtk_row(const LthVtuArray *array, LitheCount row,
+                                        double to[LTH_VTK_COMPONENTS]) {
+  if (array->data) return array->data + row * array->components;
+  array->value(array->self, row, to);
+  return to;
+}
 
 /// Place in the file of component k of `components`: that of ours.
 int lth_vtk_component(int components, int k);
 
-/// Convert n rows to floats and compress them.
+/// Convert n rows to floats and compress them, piece by piece.
+LitheStatus lth_vtk_encode_array(LitheCtx *ctx, LitheCount n, const LthVtuArray *array,
+                                 LthVtuBlock *block);
 LitheStatus lth_vtk_encode_rows(LitheCtx *ctx, LitheCount n, int components, const double *data,
                                 LthVtuBlock *block);
 

@@ -127,7 +127,7 @@ done:
 }
 
 /// to (m x 8) = B (m x n), zeros behind.
-static void pad(int m, int n, const double *restrict B, double *restrict to) {
+static void pad(int m, int n, const float *restrict B, double *restrict to) {
   memset(to, 0, sizeof *to * (size_t)(WIDE * m));
   for (int r = 0; r < m; r++)
     for (int c = 0; c < n; c++) to[WIDE * r + c] = B[r * n + c];
@@ -159,17 +159,17 @@ static void add_transposed(int m, int n, const double *restrict B, const double 
 
 /// C (n x nj) += P^T T, P (m x n), T (m x 8).
 LTH_CLONES
-static void add_outer(int m, int n, int nj, const double *restrict P, const double *restrict T,
+static void add_outer(int m, int n, int nj, const float *restrict P, const double *restrict T,
                       double *restrict C) {
   Wide sum[LTH_ML_MODES];
   for (int a = 0; a < n; a++) sum[a] = (Wide){0};
   if (n == LTH_ML_MODES)
     for (int k = 0; k < m; k++)
       for (int a = 0; a < LTH_ML_MODES; a++)
-        sum[a] += P[k * LTH_ML_MODES + a] * *(const Wide *)(T + WIDE * k);
+        sum[a] += (double)P[k * LTH_ML_MODES + a] * *(const Wide *)(T + WIDE * k);
   else
     for (int k = 0; k < m; k++)
-      for (int a = 0; a < n; a++) sum[a] += P[k * n + a] * *(const Wide *)(T + WIDE * k);
+      for (int a = 0; a < n; a++) sum[a] += (double)P[k * n + a] * *(const Wide *)(T + WIDE * k);
   for (int a = 0; a < n; a++)
     for (int b = 0; b < nj; b++) C[a * nj + b] += sum[a][b];
 }

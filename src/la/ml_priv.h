@@ -16,10 +16,10 @@ typedef struct LthTransfer {
   LitheCount *block_off; ///< blocks of a row                        (n_rows + 1)
   LitheIndex *block_col; ///< ascending in a row                     (n_blocks)
   LitheCount *value_off; ///< (n_blocks + 1)
-  double *values;        ///< row-major blocks
-  LitheCount *twin_off;  ///< blocks of a column                     (n_cols + 1)
-  LitheCount *twin;      ///< block index, rows ascending            (n_blocks)
-  LitheIndex *twin_row;  ///< its row                                (n_blocks)
+  float *values; ///< row-major blocks; every matrix below is that of the rounded prolongation
+  LitheCount *twin_off; ///< blocks of a column                     (n_cols + 1)
+  LitheCount *twin;     ///< block index, rows ascending            (n_blocks)
+  LitheIndex *twin_row; ///< its row                                (n_blocks)
 } LthTransfer;
 
 /// Rows in colours: no two of one colour are coupled.

@@ -117,7 +117,8 @@ static void copy_tentative(const LthLevel *l, int threads, LthTransfer *Q) {
       const LitheCount n = Q->col_off[Q->block_col[e] + 1] - Q->col_off[Q->block_col[e]];
       for (LitheCount i = Q->row_off[row], at = Q->value_off[e]; i < Q->row_off[row + 1];
            i++, at += n)
-        memcpy(Q->values + at, l->tentative + LTH_ML_MODES * i, sizeof *Q->values * (size_t)n);
+        for (LitheCount c = 0; c < n; c++)
+          Q->values[at + c] = (float)l->tentative[LTH_ML_MODES * i + c];
     }
 }
 
@@ -151,10 +152,10 @@ static inline int columns(const LthTransfer *P, LitheCount e) {
 }
 
 /// out (m x n) = in - damping W, W (m x 8); in may be NULL for zero.
-static void subtract(int m, int n, const double *in, double damping, const double *W, double *out) {
+static void subtract(int m, int n, const float *in, double damping, const double *W, float *out) {
   for (int r = 0; r < m; r++)
     for (int c = 0; c < n; c++)
-      out[r * n + c] = (in ? in[r * n + c] : 0) - damping * W[WIDE * r + c];
+      out[r * n + c] = (float)((in ? in[r * n + c] : 0) - damping * W[WIDE * r + c]);
 }
 
 /// One row of P - damping D^-1 A P; W has room for a padded block of every column of the row.
@@ -172,7 +173,7 @@ static void smooth_row(const LthLevel *l, LitheIndex row, const LthTransfer *in,
       const int n = columns(in, e), rows = lth_ml_size(A, j);
       while (out->block_col[at] < in->block_col[e]) at++;
       for (int r = 0; r < rows; r++)
-        memcpy(Q + WIDE * r, in->values + in->value_off[e] + r * n, sizeof *Q * (size_t)n);
+        for (int c = 0; c < n; c++) Q[WIDE * r + c] = in->values[in->value_off[e] + r * n + c];
       add_product(m, rows, A->values + A->value_off[a], Q, W + (at - first) * m * WIDE);
     }
   }

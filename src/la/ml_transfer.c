@@ -9,6 +9,9 @@
 #define WIDE 8
 
 typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
+typedef float Narrow __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
+
+#define WIDEN(from) __builtin_convertvector(*(const Narrow *)(from), Wide)
 
 void lth_ml_transfer_destroy(LitheCtx *ctx, LthTransfer **transfer) {
   if (!transfer || !*transfer) return;
@@ -154,15 +157,15 @@ static bool is_large(const LthTransfer *P) {
 }
 
 /// sum (8) += B^T r, B (m x 6): rows are read as eight, of which two are the next row's and count for nothing.
-static inline void add_rows(LitheCount m, const double *restrict B, const double *restrict r,
+static inline void add_rows(LitheCount m, const float *restrict B, const double *restrict r,
                             Wide *sum) {
   Wide even = *sum, odd = {0};
   LitheCount i = 0;
   for (; i + 2 <= m; i += 2, B += 2 * LTH_ML_MODES) {
-    even += r[i] * *(const Wide *)B;
-    odd += r[i + 1] * *(const Wide *)(B + LTH_ML_MODES);
+    even += r[i] * WIDEN(B);
+    odd += r[i + 1] * WIDEN(B + LTH_ML_MODES);
   }
-  if (i < m) even += r[i] * *(const Wide *)B;
+  if (i < m) even += r[i] * WIDEN(B);
   *sum = even + odd;
 }
 
@@ -172,7 +175,7 @@ static void restrict_column(const LthTransfer *P, LitheIndex col, const double *
   const int n = (int)(P->col_off[col + 1] - P->col_off[col]);
   Wide sum = {0};
   for (LitheCount t = P->twin_off[col]; t < P->twin_off[col + 1]; t++) {
-    const double *restrict B = P->values + P->value_off[P->twin[t]];
+    const float *restrict B = P->values + P->value_off[P->twin[t]];
     const LitheCount first = P->row_off[P->twin_row[t]], last = P->row_off[P->twin_row[t] + 1];
     if (n == LTH_ML_MODES)
       add_rows(last - first, B, r + first, &sum);
@@ -195,7 +198,8 @@ static void prolong_row(const LthTransfer *P, LitheIndex row, const double *rest
   for (LitheCount k = P->block_off[row]; k < P->block_off[row + 1]; k++) {
     const LitheIndex col = P->block_col[k];
     const int n = (int)(P->col_off[col + 1] - P->col_off[col]);
-    const double *restrict B = P->values + P->value_off[k], *ec = e + P->col_off[col];
+    const float *restrict B = P->values + P->value_off[k];
+    const double *ec = e + P->col_off[col];
     if (n == LTH_ML_MODES)
       for (LitheCount i = first; i < last; i++, B += LTH_ML_MODES)
         x[i] += (B[0] * ec[0] + B[1] * ec[1]) + (B[2] * ec[2] + B[3] * ec[3]) +

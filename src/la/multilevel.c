@@ -85,7 +85,7 @@ void lth_multilevel_destroy(LitheCtx *ctx, LthMultilevel **M) {
 }
 
 /// What every level has, and the inverses of its diagonal blocks.
-static LitheStatus open_level(LitheCtx *ctx, LthLevel *l, const LthBlockMatrix *A) {
+static LitheStatus open_level(LitheCtx *ctx, LthLevel *l, const LthBlockMatrix *A, bool once) {
   l->A = A;
   LTH_NEW(ctx, l->near, LTH_ML_MODES * A->n);
   LTH_NEW(ctx, l->extra_off, A->n_rows + 1);
@@ -95,7 +95,7 @@ static LitheStatus open_level(LitheCtx *ctx, LthLevel *l, const LthBlockMatrix *
   LTH_NEW(ctx, l->b, A->n);
   LTH_NEW(ctx, l->r, A->n);
   double **vectors[] = {&l->q, &l->h, &l->v, &l->s, &l->t, &l->e};
-  for (int k = 0; k < 6; k++)
+  for (int k = 0; k < 6 && !once; k++)
     LITHE_TRY(lth_new_(ctx, (void **)vectors[k], A->n, sizeof **vectors[k]));
   l->size = A->n_rows > 0 ? lth_ml_size(A, 0) : 0;
   for (LitheIndex i = 0; i < A->n_rows; i++)
@@ -113,7 +113,8 @@ static void copy_leading(const LthLevel *fine, LthLevel *coarse) {
 }
 
 /// Values of the next level from those of this one, whose matrix and motions stand.
-static void fill_next(const LthMultilevel *M, int threads, LthLevel *l, LthLevel *next) {
+static void fill_next(LitheCtx *ctx, const LthMultilevel *M, LthLevel *l, LthLevel *next) {
+  const int threads = lth_threads(ctx);
   if (!l->P) {
     lth_ml_leading(l, threads, next->own);
     copy_leading(l, next);
@@ -121,6 +122,7 @@ static void fill_next(const LthMultilevel *M, int threads, LthLevel *l, LthLevel
   }
   lth_ml_tentative(l, threads, l->P->col_off, next->near);
   lth_ml_smooth_prolongator(l, &M->galerkin);
+  for (int k = 0; k < LTH_ML_STEPS && M->def.once; k++) lth_ml_transfer_destroy(ctx, &l->stage[k]);
   lth_ml_galerkin(l, &M->galerkin, next->own);
 }
 
@@ -186,6 +188,17 @@ static void smooth_up(const LthMultilevel *M, const LthLevel *l, int threads, co
     lth_ml_smooth_up(l, threads, b, x);
 }
 
+/// What only an update would read again.
+static void forget(LitheCtx *ctx, LthLevel *l) {
+  lth_free(ctx, l->near);
+  lth_free(ctx, l->tentative);
+  lth_free(ctx, l->aggregate);
+  lth_free(ctx, l->member_off);
+  lth_free(ctx, l->member);
+  l->near = l->tentative = NULL;
+  l->aggregate = l->member_off = l->member = NULL;
+}
+
 static LitheStatus factor_coarsest(LitheCtx *ctx, LthMultilevel *M) {
   const LthBlockMatrix *A = M->level[M->n_levels - 1].A;
   if (M->dense && !lth_ml_dense_factor(A, M->dense))
@@ -200,7 +213,7 @@ static LitheStatus build(LitheCtx *ctx, LthMultilevel *M) {
   LthLevel *l = M->level;
   LitheStatus status = LITHE_OK;
   const int threads = lth_threads(ctx);
-  LITHE_TRY(open_level(ctx, l, A));
+  LITHE_TRY(open_level(ctx, l, A, M->def.once));
   l->touch = M->def.touch;
   LTH_NEW(ctx, l->held, A->n);
   find_held(A, threads, l->held);
@@ -215,9 +228,12 @@ static LitheStatus build(LitheCtx *ctx, LthMultilevel *M) {
     l[1].own = coarse;
     LITHE_TRY(status);
     if (!coarse) break;
-    LITHE_TRY(open_level(ctx, l + 1, coarse));
-    fill_next(M, threads, l, l + 1);
+    LITHE_TRY(open_level(ctx, l + 1, coarse, M->def.once));
+    fill_next(ctx, M, l, l + 1);
+    if (M->def.once) forget(ctx, l);
   }
+  if (M->def.once) forget(ctx, l);
+  if (M->def.once) lth_ml_galerkin_free(ctx, &M->galerkin);
   if (l->A->n <= 4 * COARSE_UNKNOWNS) LTH_NEW(ctx, M->dense, l->A->n * l->A->n);
   return factor_coarsest(ctx, M);
 }
@@ -247,18 +263,21 @@ LitheStatus lth_multilevel_refresh(LitheCtx *ctx, LthMultilevel *M, const double
 LitheStatus lth_multilevel_update(LitheCtx *ctx, LthMultilevel *M, const double *position,
                                   const double *extra) {
   LthLevel *l = M->level;
-  const int threads = lth_threads(ctx);
+  LITHE_ASSERT(!M->def.once);
   if (position) rigid_motions(M->def.one, position, l->held, l->A->n, l->near);
   LITHE_TRY(lth_multilevel_refresh(ctx, M, NULL)); // the prolongation is that of A
   for (int k = 0; k + 1 < M->n_levels; k++, l++) {
-    fill_next(M, threads, l, l + 1);
+    fill_next(ctx, M, l, l + 1);
     LITHE_TRY(lth_block_jacobi_update(ctx, l[1].jacobi, l[1].A, NULL));
   }
   if (extra) LITHE_TRY(lth_multilevel_refresh(ctx, M, extra));
   return factor_coarsest(ctx, M);
 }
 
-void lth_multilevel_strengthen(LthMultilevel *M) { M->degree = STRONG_DEGREE; }
+void lth_multilevel_strengthen(LthMultilevel *M) {
+  LITHE_ASSERT(!M->def.once);
+  M->degree = STRONG_DEGREE;
+}
 bool lth_multilevel_is_strong(const LthMultilevel *M) { return M->degree > 0; }
 
 void lth_multilevel_add(LthMultilevel *M, const LthOperator *C) {

@@ -13,6 +13,8 @@ typedef struct LthMultilevelDef {
   const LthBlockMatrix
       *touch; ///< what coarse levels know beside A: rows as A's, pattern and values of its own,
               ///< borrowed for life; or NULL
+  bool
+      once; ///< never updated, refreshed or strengthened: what only that would need is freed as levels are made
   LitheIndex
       least_rows; ///< of an aggregate on the mean, where the strong couplings alone make smaller ones; 0: any
 } LthMultilevelDef;

@@ -52,7 +52,8 @@ double *lth_body_position(const LthBody *body) {
   return lth_simulation_position(body->sim) + body->first;
 }
 double *lth_body_velocity(const LthBody *body) {
-  return lth_simulation_velocity(body->sim) + body->first;
+  double *v = lth_simulation_velocity(body->sim);
+  return v ? v + body->first : NULL;
 }
 
 double lth_body_cell_volume(const LthBody *body, LitheIndex cell) {

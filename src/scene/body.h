@@ -105,7 +105,7 @@ LthSystemBody lth_body_as_part(const LthBody *body);
 /// Its own coefficients in the simulation: x - X0 (computed by each call, not for loops), position, velocity. (disc->n_dofs)
 const double *lth_body_displacement(const LthBody *body);
 double *lth_body_position(const LthBody *body);
-double *lth_body_velocity(const LthBody *body);
+double *lth_body_velocity(const LthBody *body); ///< NULL where nothing ever moves
 
 /// Whether the embedded surface is that of the shape, point for point: not one of its own, and not the file that a
 /// shape was wrapped around.

@@ -16,9 +16,9 @@ static bool is_zero(const LthValue v[3]) {
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body) {
   const LthSceneBody *def = body->def;
   const LthDisc *disc = body->disc;
-  if (!is_zero(def->initial_velocity))
-    LITHE_TRY(disc->table->project(ctx, disc, initial_field, def->initial_velocity,
-                                   lth_body_velocity(body)));
+  double *v = lth_body_velocity(body);
+  if (v && !is_zero(def->initial_velocity))
+    LITHE_TRY(disc->table->project(ctx, disc, initial_field, def->initial_velocity, v));
   if (is_zero(def->initial_displacement)) return LITHE_OK;
   double *u = NULL, *x = lth_body_position(body);
   LTH_NEW(ctx, u, disc->n_dofs);

@@ -21,7 +21,8 @@ static LitheStatus write_mesh(LitheCtx *ctx, const LthMesh *mesh, const char *pa
   for (LitheCount i = 0; i < off[mesh->n_cells]; i++)
     for (int a = 0; a < 3; a++) points[3 * i + a] = mesh->points[3 * (LitheCount)mesh_point[i] + a];
   for (LitheIndex c = 0; c < mesh->n_cells; c++) number[c] = c;
-  const LthVtuArray arrays[] = {{"volume", 1, mesh->cell_volume}, {"cell", 1, number}};
+  const LthVtuArray arrays[] = {lth_vtk_array("volume", 1, mesh->cell_volume),
+                                lth_vtk_array("cell", 1, number)};
   LthVtu vtu = {.mesh = mesh,
                 .n_points = (LitheIndex)off[mesh->n_cells],
                 .points = points,

@@ -69,7 +69,7 @@ LitheStatus lth_fields_open(LitheCtx *ctx, const char *folder, const LthBody *bo
   LTH_NEW(ctx, *fields, 1);
   LITHE_TRY(lth_copy_text(ctx, folder, &(*fields)->folder));
   LITHE_TRY(lth_output_stem(ctx, body, "fields", &(*fields)->stem));
-  if (body->staggered) return lth_grid_fields_open(ctx, body, &(*fields)->grid);
+  if (body->staggered) return lth_grid_fields_open(ctx, &(*fields)->grid);
   return body->scene->fields_vtu ? allocate(ctx, body, *fields) : LITHE_OK;
 }
 
@@ -89,13 +89,12 @@ static void sample_cell(const LthBody *body, LthFields *f, LitheIndex cell) {
 }
 
 static LitheStatus write_vtu(LitheCtx *ctx, LthFields *f, const LthBody *body, const char *path) {
-  const LthVtuArray point_arrays[] = {{"displacement", 3, f->displacement},
-                                      {"velocity", 3, f->velocity}};
-  const LthVtuArray cell_arrays[] = {{"stress", 6, f->stress},
-                                     {"von_mises", 1, f->von_mises},
-                                     {"degree", 1, f->degree},
-                                     {"level", 1, f->level},
-                                     {"label", 1, f->label}};
+  const LthVtuArray point_arrays[] = {lth_vtk_array("displacement", 3, f->displacement),
+                                      lth_vtk_array("velocity", 3, f->velocity)};
+  const LthVtuArray cell_arrays[] = {
+      lth_vtk_array("stress", 6, f->stress), lth_vtk_array("von_mises", 1, f->von_mises),
+      lth_vtk_array("degree", 1, f->degree), lth_vtk_array("level", 1, f->level),
+      lth_vtk_array("label", 1, f->label)};
   LthVtu vtu = {.mesh = body->mesh,
                 .n_points = f->n_points,
                 .points = f->points,
@@ -149,9 +148,8 @@ static LitheStatus write_grid(LitheCtx *ctx, const LthFields *f, const LthBody *
   char *path = NULL;
   if (!wants(body, ending)) return LITHE_OK;
   LITHE_TRY(lth_path_numbered(ctx, f->folder, f->stem, f->n_frames, ending, &path));
-  LitheStatus status = strcmp(ending, "vti") == 0
-                           ? lth_grid_fields_image(ctx, f->grid, body, path)
-                           : lth_grid_fields_voxels(ctx, f->grid, body, path);
+  LitheStatus status = strcmp(ending, "vti") == 0 ? lth_grid_fields_image(ctx, f->grid, path)
+                                                  : lth_grid_fields_voxels(ctx, f->grid, path);
   lth_free(ctx, path);
   return status;
 }
@@ -162,7 +160,7 @@ static LitheStatus write_volumes(LitheCtx *ctx, const LthFields *f, const LthBod
     char *stem = NULL, *path = NULL;
     LITHE_TRY(lth_output_stem(ctx, body, lth_grid_fields_volume_name(what), &stem));
     LitheStatus status = lth_path_numbered(ctx, f->folder, stem, f->n_frames, "nii.gz", &path);
-    if (status == LITHE_OK) status = lth_grid_fields_volume(ctx, f->grid, body, what, path);
+    if (status == LITHE_OK) status = lth_grid_fields_volume(ctx, f->grid, what, path);
     lth_free(ctx, stem);
     lth_free(ctx, path);
     LITHE_TRY(status);
@@ -173,7 +171,7 @@ static LitheStatus write_volumes(LitheCtx *ctx, const LthFields *f, const LthBod
 static LitheStatus frame_of_grid(LitheCtx *ctx, LthFields *f, const LthBody *body) {
   bool any_vtk = wants(body, "vti") || wants(body, "vtu");
   if (!any_vtk && !wants(body, "nii.gz")) return LITHE_OK;
-  lth_grid_fields_sample(ctx, f->grid, body);
+  LITHE_TRY(lth_grid_fields_begin(ctx, f->grid, body));
   LITHE_TRY(write_grid(ctx, f, body, "vti"));
   LITHE_TRY(write_grid(ctx, f, body, "vtu"));
   LITHE_TRY(write_volumes(ctx, f, body));

@@ -3,24 +3,23 @@
 
 #include "scene/staggered_body.h"
 
-/// Samples of the present state, one a cell with material.
+/// Cells with material, and the state that is written. Values are computed as they are written: none is kept.
 typedef struct LthGridFields LthGridFields;
 
-LitheStatus lth_grid_fields_open(LitheCtx *ctx, const LthBody *body, LthGridFields **fields);
+LitheStatus lth_grid_fields_open(LitheCtx *ctx, LthGridFields **fields);
 void lth_grid_fields_close(LitheCtx *ctx, LthGridFields **fields);
 
-void lth_grid_fields_sample(LitheCtx *ctx, LthGridFields *fields, const LthBody *body);
+/// Files of the state that `body` is in, until its simulation is called again.
+LitheStatus lth_grid_fields_begin(LitheCtx *ctx, LthGridFields *fields, const LthBody *body);
 
-/// What was sampled last as .vti; as .vtu with displaced corners, which `body` still has to be at.
-LitheStatus lth_grid_fields_image(LitheCtx *ctx, const LthGridFields *fields, const LthBody *body,
-                                  const char *path);
-LitheStatus lth_grid_fields_voxels(LitheCtx *ctx, LthGridFields *fields, const LthBody *body,
-                                   const char *path);
+/// That state as .vti; as .vtu with displaced corners.
+LitheStatus lth_grid_fields_image(LitheCtx *ctx, const LthGridFields *fields, const char *path);
+LitheStatus lth_grid_fields_voxels(LitheCtx *ctx, LthGridFields *fields, const char *path);
 
-/// The sampled state at the voxels of the scan that the body was made from, 0 outside of it. `what`: 0 displacement in
+/// It at the voxels of the scan that the body was made from, 0 outside of it. `what`: 0 displacement in
 /// the scene's axes, 1 stress, 2 von Mises stress.
-LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthGridFields *fields, const LthBody *body,
-                                   int what, const char *path);
+LitheStatus lth_grid_fields_volume(LitheCtx *ctx, const LthGridFields *fields, int what,
+                                   const char *path);
 
 #define LTH_GRID_VOLUMES 3
 const char *lth_grid_fields_volume_name(int what);

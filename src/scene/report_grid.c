@@ -143,7 +143,7 @@ LitheStatus lth_write_fractions(LitheCtx *ctx, const LthBody *body, const char *
   LitheCount *slot_of = NULL;
   double *fraction = NULL;
   LITHE_TRY_OR(done, list_cells(ctx, s, n, &cell, &slot_of, &fraction));
-  LthVtuArray array = {"fraction", 1, fraction};
+  const LthVtuArray array = lth_vtk_array("fraction", 1, fraction);
   LthGridCells cells = {.grid = s->fractions->grid,
                         .n_cells = n,
                         .cell = cell,

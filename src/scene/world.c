@@ -41,10 +41,23 @@ static LitheStatus check_held(LitheCtx *ctx, const LthWorld *world) {
              scene->time_kind == LTH_TIME_STATIC ? "static" : "quasistatic");
 }
 
+/// A static run is one equilibrium, unless elements change on the way; it starts at rest, unless the scene says otherwise.
+static LthStepUse use_of(const LthScene *scene) {
+  if (scene->time_kind == LTH_TIME_DYNAMIC) return LTH_USE_STEPS;
+  if (scene->time_kind == LTH_TIME_QUASISTATIC) return LTH_USE_EQUILIBRIA;
+  for (LitheIndex b = 0; b < scene->n_bodies; b++)
+    for (int a = 0; a < 3; a++) {
+      const LthValue *u = &scene->bodies[b].initial_displacement[a];
+      if (u->eval || u->constant != 0) return LTH_USE_EQUILIBRIA;
+    }
+  return LTH_USE_ONE_EQUILIBRIUM;
+}
+
 static LthStepOptions step_options(const LthScene *scene) {
   LthStepOptions options = lth_step_options_default();
   options.integrator = scene->integrator;
   options.linear = scene->linear;
+  options.use = use_of(scene);
   options.needs_matrix = scene->condition || scene->export_path;
   if (scene->tolerance > 0) options.tolerance = scene->tolerance;
   if (scene->newton_tolerance > 0) options.newton_tolerance = scene->newton_tolerance;

@@ -22,21 +22,9 @@ static LitheStatus check_options(LitheCtx *ctx, const LthStepOptions *o) {
   return LITHE_OK;
 }
 
-static LitheStatus allocate_vectors(LitheCtx *ctx, LthSimulation *s) {
-  double **vectors[] = {&s->x_rest, &s->x,    &s->v,   &s->u,        &s->f_ext,  &s->f0,
-                        &s->force,  &s->base, &s->rhs, &s->solution, &s->driven, &s->scratch};
-  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) LTH_NEW(ctx, *vectors[i], s->n);
-  if (!s->own) LTH_NEW(ctx, s->factor_x, s->n);
-  LTH_NEW(ctx, s->mass, s->n);
-  s->row_mass = s->mass; // that of a grid is diagonal
-  if (!s->own) LTH_NEW(ctx, s->row_mass, s->n);
+static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
   LTH_NEW(ctx, s->cm, s->system->n_bodies);
   LTH_NEW(ctx, s->ck, s->system->n_bodies);
-  return LITHE_OK;
-}
-
-static LitheStatus set_up_solvers(LitheCtx *ctx, LthSimulation *s) {
-  if (s->system->has_held) LTH_NEW(ctx, s->held_force, s->n);
   if (s->own && s->has_contact && s->own->stiffen) { // its block rows are functions
     s->n_extra = 3 * s->n;
     LTH_NEW(ctx, s->extra, s->n_extra);
@@ -78,11 +66,11 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
   if (s->options.max_iterations <= 0)
     s->options.max_iterations =
         (LitheIndex)(10 * sqrt((double)s->n)) + (system->n_contacts > 0 ? 5000 : 1000);
-  LITHE_TRY_OR(done, allocate_vectors(ctx, s));
+  LITHE_TRY_OR(done, lth_step_vectors_create(ctx, s));
   LITHE_TRY_OR(done, set_up_solvers(ctx, s));
-  lth_system_rest(system, s->x_rest);
-  memcpy(s->x, s->x_rest, sizeof *s->x * (size_t)s->n);
-  lth_system_mass_diagonal(system, s->mass);
+  lth_system_rest(system, s->x);
+  if (s->x_rest) memcpy(s->x_rest, s->x, sizeof *s->x * (size_t)s->n);
+  if (s->mass) lth_system_mass_diagonal(system, s->mass);
   if (!s->own) sum_rows_of_mass(s);
   *sim = s;
   s = NULL;
@@ -94,16 +82,11 @@ done:
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   if (!sim || !*sim) return;
   LthSimulation *s = *sim;
-  if (s->row_mass == s->mass) s->row_mass = NULL;
-  double *vectors[] = {s->x_rest,  s->x,          s->v,        s->u,       s->f_ext,    s->f0,
-                       s->force,   s->base,       s->rhs,      s->best,    s->solution, s->driven,
-                       s->scratch, s->held_force, s->mass,     s->extra,   s->cm,       s->ck,
-                       s->start,   s->f_before,   s->row_mass, s->factor_x};
-  lth_free(ctx, s->levels_x);
-  lth_free(ctx, s->touch_first);
+  lth_step_vectors_free(ctx, s);
+  double *blocks[] = {s->extra, s->cm,   s->ck,    s->levels_x, s->touch_first,
+                      s->rate,  s->best, s->start, s->f_before};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   lth_block_matrix_destroy(ctx, &s->touch);
-  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++) lth_free(ctx, vectors[i]);
-  lth_free(ctx, s->rate);
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);
   lth_anderson_destroy(ctx, &s->anderson);
@@ -127,6 +110,8 @@ const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *s) { return s->
 const LthStepReport *lth_simulation_report(const LthSimulation *s) { return &s->report; }
 
 const double *lth_simulation_displacement(LthSimulation *s) {
-  for (LitheCount i = 0; i < s->n; i++) s->u[i] = s->x[i] - s->x_rest[i];
+  const double *rest = s->x_rest ? s->x_rest : s->u;
+  if (!s->x_rest) lth_system_rest(s->system, s->u);
+  for (LitheCount i = 0; i < s->n; i++) s->u[i] = s->x[i] - rest[i];
   return s->u;
 }

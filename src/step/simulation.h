@@ -21,7 +21,15 @@ typedef enum LthIntegrator {
   LTH_NEWMARK         ///< average acceleration: second order, damps nothing
 } LthIntegrator;
 
+/// What a simulation is asked for: decides which vectors it holds.
+typedef enum LthStepUse {
+  LTH_USE_STEPS,      ///< lth_simulation_step(), and whatever else
+  LTH_USE_EQUILIBRIA, ///< lth_simulation_equilibrium() alone
+  LTH_USE_ONE_EQUILIBRIUM ///< the same once, from rest: what only the way there needs is freed behind it
+} LthStepUse;
+
 typedef struct LthStepOptions {
+  LthStepUse use;
   LthIntegrator integrator;
   LthLinearChoice linear;
   double tolerance;          ///< of the linear solver, relative
@@ -67,7 +75,7 @@ LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthSte
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
 
 /// Coefficients of all bodies, in the order of the system: position, velocity (n each), lent until the next
-/// call. Writable by owners that set an initial state.
+/// call. Writable by owners that set an initial state. The velocity may be NULL where equilibria alone are asked for: it is zero.
 double *lth_simulation_position(LthSimulation *sim);
 double *lth_simulation_velocity(LthSimulation *sim);
 const double *lth_simulation_displacement(LthSimulation *sim); ///< x - X0, computed by each call

@@ -96,6 +96,7 @@ struct LthSimulation {
   LitheIndex fresh_iterations, age, life; // age in steps, and that which the factor before reached
   double age_cost;                        // of the iterations that its age has added
 
+  // those of step_vectors.c: some are NULL where the use of the simulation does not need them, some share a place
   double *x_rest, *x, *v, *u; // coefficients                                        (n)
   double *mass;               // lumped, per unknown [kg]
   double *rate;               // acceleration kept for a successor, or NULL [m/s^2]
@@ -106,16 +107,25 @@ struct LthSimulation {
   double *base, *rhs; // right-hand side without and with contact
   double *solution;   // of the linear system
   double *driven;     // prescribed values of held unknowns, zero elsewhere
-  double *held_force; // of constraints on held unknowns at the last state, NULL where none is held
-  double *scratch;    // free between calls
+  double *
+      held_force; // of constraints on held unknowns at the last state, one after the other (n_held)
+  LitheCount n_held;
+  double *scratch; // free between calls
 
   LthRigid rigid;
-  LthStage stage;           // of dynamic steps
-  double *start, *f_before; // equilibria: state and loads at the start, NULL until the first
+  LthStage stage; // of dynamic steps
+  double *start,
+      *f_before; // equilibria: state and loads at the start; NULL: at rest, without loads
   LthAnderson *anderson;
   LthNewton *newton; // NULL until first needed
   double *best;      // and the state of the smallest residual, where one solve is not all
 };
+
+// step_vectors.c
+
+/// Vectors of a simulation, as its use and its system need them.
+LitheStatus lth_step_vectors_create(LitheCtx *ctx, LthSimulation *s);
+void lth_step_vectors_free(LitheCtx *ctx, LthSimulation *s);
 
 /// y = A x with A as it stands: K after lth_step_assemble(), cm M + ck K after lth_step_combine().
 void lth_step_apply(const LthSimulation *s, int threads, const double *x, double *y);

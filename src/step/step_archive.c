@@ -134,12 +134,12 @@ void lth_simulation_archive(LthSimulation *s, LthArchive *a) {
   lth_archive_mark(a, "simulation");
   LTH_ARCHIVE(a, s->t);
   LTH_ARCHIVE_ARRAY(a, s->x, s->n);
-  LTH_ARCHIVE_ARRAY(a, s->v, s->n);
+  if (s->v) LTH_ARCHIVE_ARRAY(a, s->v, s->n);
   walk_stage(s, a);
   walk_memory(s->system, a);
   lth_fade_archive(s, a);
   walk_solvers(s, a);
-  if (s->held_force) LTH_ARCHIVE_ARRAY(a, s->held_force, s->n);
+  LTH_ARCHIVE_ARRAY(a, s->held_force, s->n_held);
   LTH_ARCHIVE_ARRAY(a, s->f_ext, s->n); // the work of the next equilibrium begins with it
   walk_report(s, a);
 }

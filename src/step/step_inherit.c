@@ -19,12 +19,11 @@ static LitheStatus find_forces(LitheCtx *ctx, LthSimulation *s, const LthSimulat
   bool any = false;
   for (LitheCount i = 0; i < from->n && !any; i++) any = from->f_ext[i] != 0;
   if (any) LITHE_TRY(lth_system_external_force(ctx, s->system, s->t, s->x, s->f_ext));
-  if (!from->held_force || !s->held_force) return LITHE_OK;
-  for (LitheCount i = 0; i < from->n && !any; i++) any = from->held_force[i] != 0;
-  if (!any) return LITHE_OK;
+  for (LitheCount i = 0; i < from->n_held && !any; i++) any = from->held_force[i] != 0;
+  if (!any || s->n_held == 0) return LITHE_OK;
   LITHE_TRY(lth_step_assemble(ctx, s, s->t, s->x));
-  for (LitheCount i = 0; i < s->n; i++)
-    if (s->system->held[i]) s->held_force[i] = -s->force[i];
+  for (LitheCount i = 0, k = 0; i < s->n; i++)
+    if (s->system->held[i]) s->held_force[k++] = -s->force[i];
   return LITHE_OK;
 }
 

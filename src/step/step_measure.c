@@ -15,6 +15,7 @@ void lth_simulation_measure(LitheCtx *ctx, LthSimulation *s) {
   r->kinetic_energy = 0;
   memset(r->momentum, 0, sizeof r->momentum);
   memset(r->angular_momentum, 0, sizeof r->angular_momentum);
+  if (!s->v) return;
   lth_system_apply_mass(s->system, s->v, s->scratch);
   for (LitheCount i = 0; i < s->n / 3; i++) {
     r->kinetic_energy += 0.5 * lth_v3_dot(y + 3 * i, s->v + 3 * i);

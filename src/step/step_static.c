@@ -94,12 +94,15 @@ static void displacement_force(LitheCtx *ctx, LthSimulation *s) {
   }
 }
 
+static bool is_at_rest(LitheCtx *ctx, LthSimulation *s) {
+  return !(lth_step_norm(ctx, s->n, lth_simulation_displacement(s)) > 0);
+}
+
 /// Assemble at the present state and measure how far it is from equilibrium.
 static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   LITHE_TRY(lth_step_assemble(ctx, s, q->t, s->x));
   // turned elements have a g of their own size, where nothing is to be gained
-  bool at_rest = !(lth_step_norm(ctx, s->n, lth_simulation_displacement(s)) > 0);
-  if (!s->own && (!s->system->warped || at_rest)) displacement_force(ctx, s);
+  if (!s->own && (!s->system->warped || is_at_rest(ctx, s))) displacement_force(ctx, s);
   LITHE_TRY(lth_step_drive(ctx, s, q->t, 1, s->x));
   memset(s->rhs, 0, sizeof *s->rhs * (size_t)s->n);
   LITHE_TRY(contact_force(ctx, s, q, s->rhs));
@@ -111,7 +114,7 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
   q->residual = lth_step_norm(ctx, s->n, s->rhs);
   double held = s->system->has_held ? sqrt(fmax(0, all * all - q->residual * q->residual)) : 0;
   q->scale = lth_step_force_scale(ctx, s, q->t, held, contact);
-  q->floor = ROUNDING * (lth_step_norm(ctx, s->n, s->f0) + contact);
+  q->floor = ROUNDING * ((s->f0 ? lth_step_norm(ctx, s->n, s->f0) : 0) + contact);
   s->report.residual = q->scale > 0 ? q->residual / q->scale : q->residual;
   q->look = q->residual <= NEAR * q->scale ? LTH_LOOK_NEAR : LTH_LOOK_AGAIN;
   return LITHE_OK;
@@ -119,13 +122,13 @@ static LitheStatus evaluate(LitheCtx *ctx, LthSimulation *s, Search *q) {
 
 /// Residual that rounding leaves [N]: the norm of |K| |x| + |f0|, which f_int is the difference of, times a few
 /// units. Places carry 16 digits, so that far from the origin, and where K is large (high degrees), no state
-/// is nearer to balance. Overwrites s->base.
+/// is nearer to balance. Overwrites s->base, or with `own` s->scratch.
 double lth_step_rounding_of_forces(LitheCtx *ctx, LthSimulation *s) {
   const LthBlockMatrix *A = s->A;
   if (s->own) { // neighbours' entries sum up to the diagonal's
-    lth_step_diagonal(s, s->base);
-    for (LitheCount i = 0; i < s->n; i++) s->base[i] *= 2 * fabs(s->x[i]);
-    return STALLED_ROUNDING * lth_step_norm(ctx, s->n, s->base);
+    lth_step_diagonal(s, s->scratch);
+    for (LitheCount i = 0; i < s->n; i++) s->scratch[i] *= 2 * fabs(s->x[i]);
+    return STALLED_ROUNDING * lth_step_norm(ctx, s->n, s->scratch);
   }
 #pragma omp parallel for schedule(static)                                                          \
     num_threads(lth_threads(ctx)) if (lth_block_matrix_is_large(A))
@@ -160,7 +163,7 @@ static bool is_balanced(LitheCtx *ctx, LthSimulation *s, Search *q) {
 /// x += the solution of (c M + K) dx = force.
 static LitheStatus correct(LitheCtx *ctx, LthSimulation *s, const Search *q, bool plain,
                            double tolerance) {
-  memcpy(s->base, s->force, sizeof *s->base * (size_t)s->n);
+  if (s->base != s->force) memcpy(s->base, s->force, sizeof *s->base * (size_t)s->n);
   lth_step_combine(ctx, s, q->damping, 1, 0);
   lth_step_constrain(ctx, s);
   // the matrix of a linear body stays: so does its factor
@@ -242,8 +245,10 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
   return LITHE_OK;
 }
 
+/// What equilibria need beside a step's vectors; the only one of a linear body starts at rest and without loads.
 static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
-  if (s->f_before) return LITHE_OK;
+  const bool only = s->options.use == LTH_USE_ONE_EQUILIBRIUM && s->own && !s->has_contact;
+  if (s->f_before || only) return LITHE_OK;
   LTH_NEW(ctx, s->start, s->n);
   // where one solve is all, nothing goes back to a state before
   if (s->system->warped || s->has_contact) LTH_NEW(ctx, s->best, s->n);
@@ -254,10 +259,12 @@ static LitheStatus allocate(LitheCtx *ctx, LthSimulation *s) {
 
 /// Work as if the loads had grown slowly from those of the last equilibrium.
 static void add_work(LthSimulation *s, double t0) {
+  const double *from = s->start ? s->start : s->scratch, *before = s->f_before;
   double work = 0;
+  if (!s->start) lth_system_rest(s->system, s->scratch);
   for (LitheCount i = 0; i < s->n; i++)
-    work += 0.5 * (s->f_before[i] + s->f_ext[i]) * (s->x[i] - s->start[i]);
-  s->report.work += work + lth_work_of_weak(s, t0, s->start) + lth_work_of_held(s, s->start, 0.5);
+    work += 0.5 * ((before ? before[i] : 0) + s->f_ext[i]) * (s->x[i] - from[i]);
+  s->report.work += work + lth_work_of_weak(s, t0, from) + lth_work_of_held(s, from, 0.5);
 }
 
 /// The accelerated fixed point from where the body is; where that fails damped from there, and then the
@@ -286,12 +293,12 @@ static LitheStatus check_reach(LitheCtx *ctx, LthSimulation *s) {
     if (s->driven[i] != 0) return LITHE_OK;
   const double *u = lth_simulation_displacement(s);
   double far = 0;
-  lth_step_diagonal(s, s->base);
+  lth_step_diagonal(s, s->scratch);
   for (LitheCount i = 0; i < s->n; i++) {
-    s->base[i] *= 2 * fabs(u[i]);
+    s->scratch[i] *= 2 * fabs(u[i]);
     far = fmax(far, fabs(u[i]));
   }
-  const double rounding = 0x1p-53 * lth_step_norm(ctx, s->n, s->base);
+  const double rounding = 0x1p-53 * lth_step_norm(ctx, s->n, s->scratch);
   if (rounding <= LOST * loads) return LITHE_OK;
   LITHE_FAIL(
       ctx, LITHE_NOT_CONVERGED,
@@ -306,10 +313,10 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
   Search q = {.t = t, .best = INFINITY, .look = LTH_LOOK_FIRST};
   const size_t bytes = sizeof *s->x * (size_t)s->n;
   LITHE_TRY(allocate(ctx, s));
-  memcpy(s->start, s->x, bytes);
+  if (s->start) memcpy(s->start, s->x, bytes);
   if (s->best) memcpy(s->best, s->x, bytes);
-  memcpy(s->f_before, s->f_ext, bytes);
-  for (LitheCount i = 0; i < s->n; i++)
+  if (s->f_before) memcpy(s->f_before, s->f_ext, bytes);
+  for (LitheCount i = 0; s->v && i < s->n; i++)
     if (s->v[i] != 0) s->v[i] = 0; // pages that nobody has written stay so, and take no memory
   s->report.newton_iterations = 0;
   s->contact_stands = false;
@@ -321,11 +328,14 @@ LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t
     LITHE_TRY(find_balance(ctx, s, &q, &balanced));
   LITHE_TRY(check_reach(ctx, s));
   s->report.converged = before && balanced;
-  lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
+  if (!s->own)
+    lth_step_constrain(ctx, s); // the matrix that owners look at is the one that is solved with
   double t0 = s->t;
   s->t = t;
   add_work(s, t0);
   if (s->has_contact) lth_step_contact_revise(s, s->v); // forces at rest: v is zero
   lth_step_contact_report(s);
+  if (s->options.use == LTH_USE_ONE_EQUILIBRIUM && s->own && s->own->release)
+    s->own->release(ctx, s->system->bodies[0].disc);
   return LITHE_OK;
 }

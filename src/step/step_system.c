@@ -26,7 +26,8 @@ LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const d
     lth_system_assemble(s->system, t, s->A, s->f0);
     lth_block_matrix_apply(s->A, lth_threads(ctx), at, s->force);
   }
-  for (LitheCount i = 0; i < s->n; i++) s->force[i] = s->f_ext[i] + s->f0[i] - s->force[i];
+  for (LitheCount i = 0; i < s->n; i++)
+    s->force[i] = s->f_ext[i] + (s->f0 ? s->f0[i] : 0) - s->force[i];
   s->report.time_assemble += lth_now() - start;
   return LITHE_OK;
 }

@@ -48,12 +48,12 @@ double lth_work_of_weak(LthSimulation *s, double t0, const double *x0) {
 
 double lth_work_of_held(LthSimulation *s, const double *x0, double share) {
   const LthSystem *system = s->system;
-  double work = 0;
+  double work = 0, *last = s->held_force;
   for (LitheCount i = 0; system->has_held && i < s->n; i++) {
     if (!system->held[i]) continue;
     double force = -s->force[i];
-    work += (force + share * (s->held_force[i] - force)) * (s->x[i] - x0[i]);
-    s->held_force[i] = force;
+    work += (force + share * (*last - force)) * (s->x[i] - x0[i]);
+    *last++ = force;
   }
   return work;
 }

@@ -257,12 +257,18 @@ static void find_motions(LthStaggeredClusters *C, LitheIndex block, int *rank) {
 }
 
 /// Rows of `near` that count, one after the other.
-static void pack_near(LthStaggeredClusters *C, const int *rank) {
+static LitheStatus pack_near(LitheCtx *ctx, LthStaggeredClusters *C, const int *rank) {
   LitheCount to = 0;
+  double *packed;
   for (LitheIndex k = 0; k < C->n; k++) {
     memmove(C->near + to, C->near + 36 * (LitheCount)k, sizeof *C->near * (size_t)(6 * rank[k]));
     to += 6 * rank[k];
   }
+  LTH_NEW(ctx, packed, to);
+  memcpy(packed, C->near, sizeof *packed * (size_t)to);
+  lth_free(ctx, C->near);
+  C->near = packed;
+  return LITHE_OK;
 }
 
 static LitheStatus build(LitheCtx *ctx, LthStaggeredClusters *C, LitheCount factored) {
@@ -281,7 +287,7 @@ static LitheStatus build(LitheCtx *ctx, LthStaggeredClusters *C, LitheCount fact
     find_centres(C, b);
     find_motions(C, b, rank);
   }
-  pack_near(C, rank);
+  LITHE_TRY_OR(done, pack_near(ctx, C, rank));
   LITHE_TRY_OR(done, lth_staggered_clusters_pattern(ctx, C, rank));
   LTH_NEW_OR(done, ctx, C->b, C->A->n);
   LTH_NEW_OR(done, ctx, C->x, C->A->n);

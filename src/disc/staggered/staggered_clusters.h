@@ -18,9 +18,9 @@ typedef struct LthStaggeredClusters {
   LitheIndex *first; ///< clusters of blocks before a block                      (n_blocks + 1)
   uint16_t *
       local; ///< cluster in its block, laid out as vectors; NONE: not free (level->n_rows x dim x side)
-  double *centre; ///< [m] from the grid's origin                             (n x 3)
-  double *T;      ///< row-major                                               (n x 6 x 6)
-  double *near; ///< rigid motions of the body in orthonormal ones; until levels are made (A->n x 6)
+  double *centre;    ///< [m] from the grid's origin                             (n x 3)
+  double *T;         ///< row-major                                               (n x 6 x 6)
+  double *near;      ///< rigid motions of the body in orthonormal ones             (A->n x 6)
   LthBlockMatrix *A; ///< Galerkin matrix: a cluster a row
   const LthEngine *engine;
   LthFactor *factor; ///< of a small matrix, else NULL
@@ -38,7 +38,7 @@ typedef struct LthStaggeredClusters {
 LitheStatus lth_staggered_clusters_create(LitheCtx *ctx, const LthFastLevel *level,
                                           LitheCount factored, LthStaggeredClusters **clusters);
 void lth_staggered_clusters_destroy(LitheCtx *ctx, LthStaggeredClusters **clusters);
-/// Levels for (cm M + ck K) / unit; allocates at the first call.
+/// Levels for (cm M + ck K) / unit, made anew by each call.
 LitheStatus lth_staggered_clusters_set(LitheCtx *ctx, LthStaggeredClusters *clusters, double cm,
                                        double ck, double unit);
 /// x += P (P^T A P)^-1 P^T y, the inverse by cycles of the algebraic levels; y is the level's residual.

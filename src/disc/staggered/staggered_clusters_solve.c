@@ -9,15 +9,12 @@
   8               // clusters of an aggregate on the mean: of fewer the levels of a shell grow dense
 #define LEAST 0.1 // eigenvalue of a cycle that they are made for
 
-/// Factor, make the levels, or let them have new values.
+/// Factor, or make the levels. These are made anew for other coefficients: what an update would need is as much memory as they.
 static LitheStatus refill(LitheCtx *ctx, LthStaggeredClusters *C) {
   if (C->factor) return C->engine->factorize(ctx, C->factor, C->A);
-  if (C->levels) return lth_multilevel_update(ctx, C->levels, NULL, NULL);
-  const LthMultilevelDef def = {.A = C->A, .near = C->near, .least_rows = LEAST_ROWS};
-  LITHE_TRY(lth_multilevel_create(ctx, &def, &C->levels));
-  lth_free(ctx, C->near);
-  C->near = NULL;
-  return LITHE_OK;
+  const LthMultilevelDef def = {.A = C->A, .near = C->near, .once = true, .least_rows = LEAST_ROWS};
+  lth_multilevel_destroy(ctx, &C->levels);
+  return lth_multilevel_create(ctx, &def, &C->levels);
 }
 
 /// A little stiffer than the body: for motions without energy.

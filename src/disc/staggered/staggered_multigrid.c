@@ -50,6 +50,27 @@ void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **mult
   *multigrid = NULL;
 }
 
+void lth_staggered_multigrid_release(LitheCtx *ctx, LthStaggeredMultigrid *M) {
+  LthFastLevel *L = &M->level[0];
+  lth_staggered_coarsest_free(ctx, &M->coarsest);
+  lth_staggered_clusters_destroy(ctx, &M->clusters);
+  for (int l = 0; l < M->n_levels; l++) {
+    if (l > 0) lth_fast_level_free(ctx, &M->level[l]);
+    lth_free(ctx, M->vectors[l]);
+    M->vectors[l] = NULL;
+  }
+  lth_staggered_hierarchy_destroy(ctx, &M->hierarchy);
+  lth_fast_level_unlink(ctx, L);
+  lth_free(ctx, L->constant);
+  lth_free(ctx, L->sample);
+  lth_free(ctx, L->inertia);
+  lth_free(ctx, L->inverse);
+  lth_free(ctx, M->r);
+  L->constant = L->sample = L->inertia = L->inverse = NULL;
+  M->r = NULL;
+  M->n_levels = 1;
+}
+
 /// Level 0 shares its x and y with q, row by row; the others have x, y and b of their own.
 static LitheStatus lend_vectors(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
   LthFastLevel *L = &M->level[l];

@@ -27,9 +27,13 @@ void lth_staggered_multigrid_destroy(LitheCtx *ctx, LthStaggeredMultigrid **mult
 void lth_staggered_multigrid_apply(LthStaggeredMultigrid *multigrid, int threads, double cm,
                                    double ck, bool held, const double *x, double *y);
 
-/// Levels and coefficients for cm M + ck K; allocates at the first call, and where cm turns from 0 to more.
+/// Levels and coefficients for cm M + ck K; allocates at the first call, where cm turns from 0 to more, and where
+/// levels of clusters are made anew for other coefficients.
 LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                             double cm, double ck);
+
+/// Free what prepare() has made: multigrid_apply() does without; the next prepare() makes it again.
+void lth_staggered_multigrid_release(LitheCtx *ctx, LthStaggeredMultigrid *multigrid);
 
 /// Solve from the w given until |r| <= tolerance |rhs|, with `extra` as LthDiscSolver.solve() has it. Where w = 0 and
 /// extra is NULL, full multigrid makes the first guess. Allocates nothing but for the first `extra`.

@@ -46,6 +46,10 @@ static LitheStatus solve(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra,
                                        max_iterations, report);
 }
 
+static void release(LitheCtx *ctx, LthDisc *disc) {
+  lth_staggered_multigrid_release(ctx, multigrid_of(disc));
+}
+
 static LitheCount bytes(const LthDisc *disc) {
   return lth_staggered_multigrid_bytes(multigrid_of(disc));
 }
@@ -55,6 +59,7 @@ static const LthDiscSolver solver = {.force = force,
                                      .apply = apply,
                                      .prepare = prepare,
                                      .solve = solve,
+                                     .release = release,
                                      .bytes = bytes};
 
 LitheStatus lth_staggered_solver_create(LitheCtx *ctx, LthStaggered *s) {

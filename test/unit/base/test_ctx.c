@@ -16,6 +16,21 @@ static void counts_allocations_and_bytes(void **state) {
   assert_null(ctx);
 }
 
+static void remembers_the_most_that_was_held(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  void *first = lth_alloc(ctx, 1000, 8), *second = lth_alloc(ctx, 3000, 8);
+  const LitheCount both = lth_alloc_bytes(ctx);
+  lth_free(ctx, first);
+  void *third = lth_alloc(ctx, 500, 8);
+  assert_true(lth_alloc_bytes(ctx) < both);
+  assert_int_equal(lth_alloc_peak(ctx), both);
+  lth_free(ctx, second);
+  lth_free(ctx, third);
+  assert_int_equal(lth_alloc_peak(ctx), both);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void refuses_sizes_that_overflow(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -61,6 +76,7 @@ static void statuses_have_texts_and_exit_codes(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(counts_allocations_and_bytes),
+      cmocka_unit_test(remembers_the_most_that_was_held),
       cmocka_unit_test(refuses_sizes_that_overflow),
       cmocka_unit_test(keeps_contents_when_growing),
       cmocka_unit_test(keeps_equal_warnings_once),

@@ -85,8 +85,9 @@ static void write_mesh(LitheCtx *ctx, LthJson *json, const char *file, const Lth
         points[3 * i + a] = mesh->points[3 * mesh_point[i] + a] + moved[3 * i + a];
       }
   for (int i = 0; i < 6; i++) stress[i] = i + 1;
-  LthVtuArray point_array = {"displacement", 3, moved};
-  LthVtuArray cell_arrays[2] = {{"stress", 6, stress}, {"volume <m^3>", 1, mesh->cell_volume}};
+  LthVtuArray point_array = lth_vtk_array("displacement", 3, moved);
+  LthVtuArray cell_arrays[2] = {lth_vtk_array("stress", 6, stress),
+                                lth_vtk_array("volume <m^3>", 1, mesh->cell_volume)};
   LthVtu vtu = {.mesh = mesh,
                 .n_points = n,
                 .points = points,
