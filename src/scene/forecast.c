@@ -13,14 +13,17 @@
 #define SOLVE_BYTES 6e9     // triangular solves and products read the matrix [byte/s]
 #define GRID_SECONDS 1.5e-6 // a matrix-free solve by multigrid, an unknown
 // What it holds, in bytes: at every slot of its blocks; for values of rows with unknowns, and samples of rows that are cut; for
-// functions, of which vectors have three values in the plane too; parts of cut cells; figures of cells; coarser levels; and
-// clusters with their levels, where features are thin.
+// functions, of which vectors have three values in the plane too, fewer vectors in static runs; parts of cut cells, those of
+// blocks with held sides twice; figures of cells, after the solver is gone in static runs; coarser levels; and clusters with
+// their levels, where features are thin.
 #define GRID_SLOT 20.0
 #define GRID_VALUE 34.0
 #define GRID_SAMPLE 11.5 // a value of a sample, in both precisions
 #define GRID_FUNCTION 500.0
-#define GRID_CUT 128.0
-#define GRID_CELL 190.0
+#define GRID_FUNCTION_STATIC 230.0
+#define GRID_CUT 70.0
+#define GRID_CELL 80.0
+#define GRID_CELL_STATIC 5.0
 #define GRID_COARSER 1.2
 #define GRID_CLUSTERS 105.0
 #define GRID_OUTPUT 2.5e7   // buffers of files that are written
@@ -124,14 +127,15 @@ static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool t
 }
 
 /// What a run with the displacement form holds.
-static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count) {
+static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count, bool is_static) {
   const LthSparseGrid *g = s->fractions->grid;
   const bool is_thin = count->cut > GRID_THIN * count->cells;
   const double samples = g->dim == 3 ? 9 : 6, row = g->side;
   const double solver = GRID_VALUE * g->dim * row * (double)count->rows +
                         GRID_SAMPLE * samples * row * (double)count->own_rows;
   return GRID_OUTPUT + GRID_SLOT * (double)g->n_slots + (is_thin ? 1 : GRID_COARSER) * solver +
-         GRID_FUNCTION * (double)count->funcs + GRID_CUT * count->cut + GRID_CELL * count->cells +
+         (is_static ? GRID_FUNCTION_STATIC : GRID_FUNCTION) * (double)count->funcs +
+         GRID_CUT * count->cut + (is_static ? GRID_CELL_STATIC : GRID_CELL) * count->cells +
          (is_thin ? GRID_CLUSTERS * (double)count->unknowns : 0);
 }
 
@@ -162,7 +166,7 @@ static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor,
     factor->is_beaten = true;
     factor->grid_unknowns += (double)count.unknowns;
     if (!is_mixed(body)) {
-      factor->grid_bytes += grid_bytes(s, &count);
+      factor->grid_bytes += grid_bytes(s, &count, scene->time_kind == LTH_TIME_STATIC);
       return;
     }
     factor->grid_bytes += MIXED_UNKNOWN * (double)count.unknowns;
