@@ -5,6 +5,7 @@
 #include "embed/embedding.h"
 
 #define INSIDE 0.5       ///< of the full angle
+#define IN_PLANE 1e-10   ///< of a cell's size
 #define ON_BOUNDARY 1e-9 ///< of a cell's size: nearer points count as inside
 
 static const double *loop_point(const LthFaceView *v, LitheIndex i) {
@@ -21,11 +22,39 @@ static double face_angle(const LthFaceView *v, const double x[3]) {
   return angle;
 }
 
-double lth_cell_winding(const LthMesh *mesh, LitheIndex cell, const double x[3]) {
+static double signed_area2(const double a[3], const double b[3], const double c[3],
+                           const double normal[3]) {
+  double e1[3], e2[3], n[3];
+  lth_v3_sub(b, a, e1);
+  lth_v3_sub(c, a, e2);
+  lth_v3_cross(e1, e2, n);
+  return lth_v3_dot(n, normal);
+}
+
+/// The same from a place in the face's plane, where rounding decides on which side of each triangle of the fan it is: one side for
+/// all. So triangles that overlap outside a face that is not convex cancel each other, and the angle is 0 or half of all.
+static double angle_in_plane(const LthFaceView *v, const double normal[3], const double x[3]) {
   double angle = 0;
+  for (LitheIndex l = 0; l < v->n_loops; l++)
+    for (LitheIndex i = v->loop_off[l] + 1; i + 1 < v->loop_off[l + 1]; i++) {
+      const double *a = loop_point(v, v->loop_off[l]), *b = loop_point(v, i),
+                   *c = loop_point(v, i + 1);
+      double area = signed_area2(a, b, c, normal);
+      angle += copysign(lth_solid_angle(a, b, c, x), area);
+    }
+  return angle;
+}
+
+double lth_cell_winding(const LthMesh *mesh, LitheIndex cell, const double x[3]) {
+  double angle = 0, way[3];
   for (LitheIndex i = mesh->cell_face_off[cell]; i < mesh->cell_face_off[cell + 1]; i++) {
-    LthFaceView v = lth_mesh_face(mesh, mesh->cell_face[i]);
-    angle += lth_mesh_side(mesh, mesh->cell_face[i], cell) * face_angle(&v, x);
+    const LitheIndex face = mesh->cell_face[i];
+    const double *normal = mesh->face_normal + 3 * (size_t)face;
+    LthFaceView v = lth_mesh_face(mesh, face);
+    lth_v3_sub(loop_point(&v, v.loop_off[0]), x, way);
+    bool is_in_plane = fabs(lth_v3_dot(way, normal)) < IN_PLANE * mesh->cell_size;
+    angle += lth_mesh_side(mesh, face, cell) *
+             (is_in_plane ? angle_in_plane(&v, normal, x) : face_angle(&v, x));
   }
   return angle / (4 * M_PI);
 }

@@ -185,6 +185,21 @@ static void swap_lists(LthContact *c) {
   c->touch = list, c->touch_cap = cap, c->n_touch = 0, c->before_at = 0;
 }
 
+/// What the step before leaves for the one that begins.
+static void end_step(LthContact *c) {
+  c->begin_penetration = c->penetration;
+  adapt_stiffness(c);
+  if (c->look <= LTH_LOOK_FIRST) move_anchors(c);
+  swap_lists(c);
+}
+
+/// Forget the touches of a step that begins once more.
+static void go_back(LthContact *c) {
+  c->again = false;
+  c->penetration = c->begin_penetration;
+  c->n_touch = 0, c->before_at = 0;
+}
+
 /// Places of all points, from displacement u.
 static void place_points(const LthContact *c, LthContactSide *s, const double *u) {
   const LthEmbedding *e = s->points;
@@ -210,10 +225,11 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   c->is_search = c->look != LTH_LOOK_STEP;
   c->dt = dt, c->round = 0, c->friction_round = 0;
   if (c->kind->begin) LITHE_TRY(c->kind->begin(ctx, c));
-  adapt_stiffness(c);
-  if (c->look <= LTH_LOOK_FIRST) move_anchors(c);
+  if (c->again)
+    go_back(c);
+  else
+    end_step(c);
   c->t = t;
-  swap_lists(c);
   LITHE_TRY(c->kind->find_near(ctx, c));
   LITHE_TRY(lth_contact_reserve(ctx, c));
   lth_contact_index(c);
@@ -234,5 +250,7 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }
 
 void lth_contact_set_look(LthContact *c, LthContactLook look) { c->look = look; }
+
+void lth_contact_begin_again(LthContact *c) { c->again = true; }
 
 void lth_contact_set_weight(LthContact *c, double weight) { c->weight = weight; }

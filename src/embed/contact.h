@@ -58,6 +58,16 @@ typedef struct LthPairDef {
   double stiffness, friction, damping; ///< as in LthContactDef
 } LthPairDef;
 
+/// Where cuts end inside a part: sheets are faces of a cut that hang together on one side of it.
+typedef struct LthCrackSides {
+  LitheIndex *
+      sheet; ///< of each triangle, -1: of none, or at the front    (n_tris); NULL: there is no crack
+  bool
+      *touches; ///< triangles whose places touch others: those that are not near the front (n_tris)
+  LitheIndex *mates; ///< sheets that look at each other, ascending         (n_mates x 2)
+  LitheIndex n_mates;
+} LthCrackSides;
+
 /// A body that consists of parts, each with a closed surface of its own. Point i of part k's surface is embedded point
 /// first_point[k] + i.
 typedef struct LthPartsSide {
@@ -66,15 +76,16 @@ typedef struct LthPartsSide {
   const LthSurface *surface;     ///< at rest, borrowed for life              (n_parts)
   const LitheIndex *first_point; ///< borrowed for life                       (n_parts + 1)
   LitheIndex n_parts;
-  const uint8_t *excluded; ///< points whose triangles touch nothing (tied), or NULL (n_points)
-  double modulus;          ///< largest lambda + 2 mu [Pa]
+  const LthCrackSides *cracks; ///< of each part, borrowed for life; NULL: none has any (n_parts)
+  const uint8_t *excluded;     ///< points whose triangles touch nothing (tied), or NULL (n_points)
+  double modulus;              ///< largest lambda + 2 mu [Pa]
   double cell_size, body_size, body_weight; ///< [m], [m], [N]
 } LthPartsSide;
 
-/// Contact of the parts of one body with each other, or of the parts of two bodies: triangles of each part touch the
+/// Contact of the parts of one body with each other, of the sides of cracks in each, or of the parts of two bodies: triangles of each part touch the
 /// surfaces of the others by points inside them, so that what lies face to face along a cut is sure of its side.
 typedef struct LthPartsDef {
-  int n_sides; ///< 1: every part of side[0] with every other; 2: those of side[0] with those of side[1]
+  int n_sides; ///< 1: every part of side[0] with every other, and the sides of its cracks; 2: those of side[0] with those of side[1]
   LthPartsSide side[2];
   double stiffness, friction, damping; ///< as in LthContactDef
 } LthPartsDef;
@@ -119,6 +130,10 @@ void lth_contact_set_look(LthContact *contact, LthContactLook look);
 /// points come near than ever before.
 LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *contact, double t, double dt,
                                const double *u, const double *v, LitheIndex *n_active);
+
+/// The next lth_contact_detect() begins the step of the last one once more, from the same places: anchors, limits and an automatic
+/// stiffness are those that it began with.
+void lth_contact_begin_again(LthContact *contact);
 
 /// Forces of the next steps act over `weight` dt, 1 at first: a trapezoidal rule looks half a step ahead (dt) and
 /// lets the forces at its end act for all of it.

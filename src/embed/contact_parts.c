@@ -45,6 +45,7 @@ static LitheStatus create_part(LitheCtx *ctx, const LthPartsSide *def, int side,
   const size_t n = 3 * (size_t)def->surface[k].n_points;
   part->side = side;
   part->first_point = def->first_point[k];
+  part->crack = def->cracks && def->cracks[k].sheet ? &def->cracks[k] : NULL;
   part->surface = def->surface[k];
   part->surface.points = NULL;
   LTH_NEW(ctx, part->surface.points, (LitheCount)n);
@@ -140,6 +141,7 @@ static void seek_triangle(const LthContact *c, const LthPart *mine, const LthPar
   const LthParts *parts = c->self;
   const double depth = depth_limit(c, mine, other, reach);
   LthSeeker seeker = {.bvh = other->bvh, .facing = FACING, .way_out = depth};
+  if (mine == other) seeker.crack = mine->crack, seeker.sheet = mine->crack->sheet[tri];
   lth_v3_copy(mine->bvh->tri_normal + 3 * (size_t)tri, seeker.normal);
   for (LitheIndex i = mine->tri_spot[tri]; i < mine->tri_spot[tri + 1]; i++, hit++) {
     double w[3], x[3] = {0, 0, 0};
@@ -164,13 +166,16 @@ static void set_legs(const LthPart *mine, const LthPart *other, const LthSpot *s
   for (int k = 3; k < touch->n_legs; k++) touch->leg[k].point += other->first_point;
 }
 
-/// A point comes in by the way that it went in the last step, and no farther: what seems to be deeper is next to a sheet
-/// or a fin too thin to have two sides.
+/// A point comes in by the way that it went towards the surface in the last step, from where it was seen then, and no
+/// farther: what seems to be deeper is next to a sheet or a fin too thin to have two sides, and the energy of its spring
+/// would come from nowhere.
 static bool is_too_deep(LthContact *c, const LthTouch *touch, const LthHit *hit,
                         const double v[3]) {
   if (c->look != LTH_LOOK_STEP || !(hit->gap < 0)) return false;
   const LthTouch *old = lth_touch_before(c, touch);
-  double limit = MARGIN * c->cell_size + WAYS * c->dt * lth_v3_norm(v);
+  double limit = MARGIN * c->cell_size, way = WAYS * c->dt;
+  if (old && !old->active && -hit->gap > limit + way * lth_v3_norm(v) - old->gap_end) return true;
+  if (old || !c->started) limit += way * fmax(-lth_v3_dot(v, hit->normal), 0);
   if (old && old->active) limit += fmax(-old->gap_end, 0);
   return -hit->gap > limit;
 }
@@ -215,8 +220,12 @@ static LitheStatus parts_find_near(LitheCtx *ctx, LthContact *c) {
     const LthNearParts *near = &parts->near[n];
     const LthPart *mine = &parts->part[near->mine], *other = &parts->part[near->other];
     const double reach = lth_parts_reach(c, mine, other);
-    warn_of_speed(ctx, c, mine, other);
-    LITHE_TRY(lth_parts_find_tris(ctx, parts, mine, other->bvh->box, reach));
+    if (mine == other) {
+      LITHE_TRY(lth_parts_find_crack_tris(ctx, parts, mine));
+    } else {
+      warn_of_speed(ctx, c, mine, other);
+      LITHE_TRY(lth_parts_find_tris(ctx, parts, mine, other->bvh->box, reach));
+    }
     LTH_RESERVE(ctx, parts->hit, parts->hit_cap, 3 * (LitheCount)parts->n_tri);
 #pragma omp parallel for schedule(dynamic, 64)                                                     \
     num_threads(lth_threads(c->ctx)) if (parts->n_tri > SERIAL)
@@ -232,6 +241,12 @@ static void parts_move_anchor(const LthContact *c, LthTouch *touch, const double
   const LthPart *other = &parts->part[touch->other];
   LthSeeker seeker = {.bvh = other->bvh, .facing = FACING};
   LthBvhPoint closest;
+  const LitheIndex *own = other->tri_spot;
+  if (other->crack && touch->side == other->side && touch->point >= own[0] &&
+      touch->point < own[other->surface.n_tris]) {
+    seeker.crack = other->crack;
+    seeker.sheet = other->crack->sheet[parts->spot[touch->side][touch->point].tri];
+  }
   lth_v3_copy(touch->normal, seeker.normal);
   lth_v3_scale(-1, seeker.normal);
   if (lth_bvh_closest(other->bvh, x, INFINITY, lth_seeker_faces, &seeker, &closest))

@@ -14,14 +14,15 @@ typedef struct LthPart {
   int side;
   LthSurface surface; ///< the one at rest with points of its own
   LthBvh *bvh;
-  LitheIndex first_point; ///< among the embedded points of its side
-  LitheIndex *tri_spot;   ///< first spot of each triangle, among those of its side (n_tris + 1)
+  const LthCrackSides *crack; ///< NULL: none
+  LitheIndex first_point;     ///< among the embedded points of its side
+  LitheIndex *tri_spot;       ///< first spot of each triangle, among those of its side (n_tris + 1)
   double box[6];
   double mean[3], spread; ///< velocity, and the largest about it [m/s]
   bool is_near;           ///< something else is near it: its surface is where it is now
 } LthPart;
 
-/// Points of part `mine` may touch part `other`.
+/// Points of part `mine` may touch part `other`; where they are the same, the other sides of its cracks.
 typedef struct LthNearParts {
   int side; ///< of mine
   LitheIndex mine, other;
@@ -59,6 +60,9 @@ double lth_parts_reach(const LthContact *c, const LthPart *a, const LthPart *b);
 
 /// Boxes and velocities of all parts, from places and samples' velocities; then the list of parts near each other.
 LitheStatus lth_parts_find_near(LitheCtx *ctx, LthContact *c);
+
+/// Triangles of a part by which sides of cracks touch, into parts->tri.
+LitheStatus lth_parts_find_crack_tris(LitheCtx *ctx, LthParts *parts, const LthPart *mine);
 
 /// Triangles of a part within `reach` of a box, into parts->tri.
 LitheStatus lth_parts_find_tris(LitheCtx *ctx, LthParts *parts, const LthPart *mine,

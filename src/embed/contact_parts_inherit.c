@@ -96,7 +96,7 @@ static bool find_anchor(const LthParts *parts, LitheIndex own, bool is_within, c
     const LthPart *part = &parts->part[k];
     LthSeeker seeker = {.bvh = part->bvh};
     LthBvhPoint closest;
-    if (k == own || (part->side == parts->part[own].side) != is_within) continue;
+    if ((k == own && !part->crack) || (part->side == parts->part[own].side) != is_within) continue;
     if (lth_box_distance2(part->bvh->box, x) > near * near) continue;
     lth_v3_copy(normal, seeker.normal);
     if (!lth_bvh_closest(part->bvh, x, near, has_normal, &seeker, &closest)) continue;

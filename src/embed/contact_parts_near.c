@@ -111,6 +111,8 @@ LitheStatus lth_parts_find_near(LitheCtx *ctx, LthContact *c) {
       LITHE_TRY(add_near(ctx, parts, b, a));
     }
   }
+  for (LitheIndex k = 0; k < parts->n_parts && c->n_sides == 1; k++)
+    if (parts->part[k].crack) LITHE_TRY(add_near(ctx, parts, k, k));
   // as touches come: by side, other, point
   if (parts->n_near > 0)
     qsort(parts->near, (size_t)parts->n_near, sizeof *parts->near, compare_near);
@@ -137,5 +139,13 @@ LitheStatus lth_parts_find_tris(LitheCtx *ctx, LthParts *parts, const LthPart *m
       parts->tri[parts->n_tri++] = bvh->item[bvh->first[node] + i];
   }
   parts->n_tri = lth_sort_unique(parts->tri, parts->n_tri);
+  return LITHE_OK;
+}
+
+LitheStatus lth_parts_find_crack_tris(LitheCtx *ctx, LthParts *parts, const LthPart *mine) {
+  parts->n_tri = 0;
+  LTH_RESERVE(ctx, parts->tri, parts->tri_cap, mine->surface.n_tris);
+  for (LitheIndex t = 0; t < mine->surface.n_tris; t++)
+    if (mine->crack->touches[t] && mine->crack->sheet[t] >= 0) parts->tri[parts->n_tri++] = t;
   return LITHE_OK;
 }

@@ -103,6 +103,9 @@ typedef struct LthSeeker {
   double normal[3];
   double facing;  ///< largest cosine between the normals of what touches
   double way_out; ///< farthest face that a point inside is led back to [m]
+  const LthCrackSides
+      *crack;       ///< of the other's surface where it is the point's own; NULL: it is not
+  LitheIndex sheet; ///< that the point is on then
 } LthSeeker;
 
 struct LthContact {
@@ -120,9 +123,11 @@ struct LthContact {
   double weight;  ///< time that forces act over dt; 1, or 2 where dt is half a step
   int round, friction_round;
   double penetration, force, last_penetration;
-  double growth; ///< of an automatic stiffness since the start
-  bool warned;   ///< that bodies are fast
-  bool started;  ///< some step has been looked at
+  double begin_penetration; ///< when the step began
+  bool again;               ///< the next look begins the same step
+  double growth;            ///< of an automatic stiffness since the start
+  bool warned;              ///< that bodies are fast
+  bool started;             ///< some step has been looked at
 
   LthTouch *touch, *before; ///< of this step and of the last one, by side, other and point
   LitheCount touch_cap, before_cap;

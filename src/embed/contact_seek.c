@@ -6,11 +6,33 @@
 #include "embed/contact_priv.h"
 
 #define FRONT 0.3 ///< least cosine between a triangle's normal and the way out of it
+#define ABOVE 0.7 ///< the same on the other side of a crack
 #define CHANGES_MAX                                                                                \
   3 ///< of triangle within a search for an equilibrium, then a point keeps the one it has
 
+/// Triangles that are not on the point's own side of a crack: LthBvhAccept.
+static bool is_across(const void *self, LitheIndex tri) {
+  const LthSeeker *seeker = self;
+  const LthCrackSides *crack = seeker->crack;
+  if (!crack) return true;
+  if (crack->sheet[tri] < 0) return false;
+  LitheIndex low = 0, high = crack->n_mates;
+  while (low < high) {
+    const LitheIndex mid = low + (high - low) / 2, *pair = crack->mates + 2 * (size_t)mid;
+    if (pair[0] == seeker->sheet && pair[1] == crack->sheet[tri]) return true;
+    bool is_before =
+        pair[0] != seeker->sheet ? pair[0] < seeker->sheet : pair[1] < crack->sheet[tri];
+    if (is_before)
+      low = mid + 1;
+    else
+      high = mid;
+  }
+  return false;
+}
+
 bool lth_seeker_faces(const void *self, LitheIndex tri) {
   const LthSeeker *seeker = self;
+  if (!is_across(self, tri)) return false;
   return lth_v3_dot(seeker->normal, seeker->bvh->tri_normal + 3 * (size_t)tri) < seeker->facing;
 }
 
@@ -19,7 +41,8 @@ void lth_seek(const LthSeeker *seeker, const double x[3], double reach, double d
   LthBvhPoint closest;
   hit->tri = -1, hit->held = false;
   if (lth_box_distance2(bvh->box, x) > reach * reach) return;
-  if (!lth_bvh_closest(bvh, x, fmax(reach, depth), NULL, NULL, &closest)) return;
+  LthBvhAccept accept = seeker->crack ? is_across : NULL;
+  if (!lth_bvh_closest(bvh, x, fmax(reach, depth), accept, seeker, &closest)) return;
   hit->gap = lth_bvh_gap(bvh, x, &closest, hit->normal);
   if (hit->gap > reach) return;
   if (!(lth_v3_dot(hit->normal, seeker->normal) < seeker->facing)) {
@@ -31,6 +54,10 @@ void lth_seek(const LthSeeker *seeker, const double x[3], double reach, double d
     lth_v3_normalize(hit->normal);
     if (!(lth_v3_dot(hit->normal, bvh->tri_normal + 3 * (size_t)closest.tri) > FRONT)) return;
   }
+  // beside the rim of the other side there is nothing to touch
+  if (seeker->crack &&
+      !(lth_v3_dot(hit->normal, bvh->tri_normal + 3 * (size_t)closest.tri) > ABOVE))
+    return;
   hit->tri = closest.tri;
   lth_v3_copy(closest.point, hit->point);
 }

@@ -175,7 +175,7 @@ done:
   return status;
 }
 
-LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *v) {
+LitheStatus lth_visibility_find_edges(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *v) {
   LitheStatus status = LITHE_OK;
   bool *is_at_cut = NULL;
   FaceEdge *edges = NULL;
@@ -185,10 +185,16 @@ LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibil
   if (!mark_points(mesh, is_at_cut)) goto done;
   LITHE_TRY_OR(done, list_edges(ctx, mesh, is_at_cut, &edges, &n));
   LITHE_TRY_OR(done, find_edges(ctx, mesh, edges, n, v));
-  if (v->n_fronts > 0) LITHE_TRY_OR(done, make_tree(ctx, mesh, v));
 done:
   lth_free(ctx, is_at_cut);
   lth_free(ctx, edges);
+  if (status != LITHE_OK) lth_visibility_free(ctx, v);
+  return status;
+}
+
+LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *v) {
+  LITHE_TRY(lth_visibility_find_edges(ctx, mesh, v));
+  LitheStatus status = v->n_fronts > 0 ? make_tree(ctx, mesh, v) : LITHE_OK;
   if (status != LITHE_OK) lth_visibility_free(ctx, v);
   return status;
 }

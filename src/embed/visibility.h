@@ -22,6 +22,9 @@ typedef struct LthVisibility {
   LitheCount cap_tri, cap_edges;
 } LthVisibility;
 
+/// The edges alone.
+LitheStatus lth_visibility_find_edges(LitheCtx *ctx, const LthMesh *mesh,
+                                      LthVisibility *visibility);
 LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *visibility);
 void lth_visibility_free(LitheCtx *ctx, LthVisibility *visibility);
 

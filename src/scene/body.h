@@ -14,6 +14,7 @@ typedef struct LthBodyChange LthBodyChange;       // change.h
 typedef struct LthBodyParts {
   LitheIndex n;
   LthSurface *surface;     ///< (n)
+  LthCrackSides *cracks;   ///< (n) NULL: no cut ends inside a part
   LitheIndex *first_point; ///< embedded point of each surface's first        (n + 1)
   LthEmbedding *points;    ///< of all surfaces, one after the other
 } LthBodyParts;
@@ -59,8 +60,9 @@ typedef struct LthBody {
   LthPlaces **places; ///< of point forces, NULL for other loads          (def->n_loads)
 
   LthDgOperator *op;
-  LitheIndex n_parts; ///< that do not hang together; staggered bodies count as one
-  LthDisc *disc;      ///< what all the rest sees of space and operator
+  LitheIndex n_parts;  ///< that do not hang together; staggered bodies count as one
+  LitheIndex n_fronts; ///< edges at which a cut ends inside a part
+  LthDisc *disc;       ///< what all the rest sees of space and operator
 
   // what follows the body, and what it touches (build_embedding.c)
   LthSoup *own_soup;       ///< of the tessellated shape where no file gave one
@@ -167,7 +169,7 @@ LitheStatus lth_build_grid_nodes(LitheCtx *ctx, const LthBody *body, const LthEm
                                  LthEmbedding **nodes);
 LitheStatus lth_build_touch(LitheCtx *ctx, LthBody *body); ///< later, among several bodies
 void lth_body_free_touch(LitheCtx *ctx, LthBody *body);
-LitheStatus lth_body_count_parts(LitheCtx *ctx, LthBody *body); ///< body->n_parts
+LitheStatus lth_body_count_parts(LitheCtx *ctx, LthBody *body); ///< and the fronts of cuts
 LitheStatus lth_build_parts(LitheCtx *ctx, LthBody *body); ///< body->parts, later, among bodies
 void lth_body_parts_destroy(LitheCtx *ctx, LthBodyParts **parts);
 LitheStatus lth_build_initial(LitheCtx *ctx, LthBody *body);

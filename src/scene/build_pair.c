@@ -92,6 +92,7 @@ static LthPartsSide parts_side(const LthBody *body) {
                         .surface = parts->surface,
                         .first_point = parts->first_point,
                         .n_parts = parts->n,
+                        .cracks = parts->cracks,
                         .modulus = lth_body_modulus(body),
                         .cell_size = body->cell_size,
                         .body_size = body->size,
@@ -151,6 +152,9 @@ static LitheStatus build_pair(LitheCtx *ctx, LthWorld *world, LitheIndex a, Lith
   return lth_contact_create_pair(ctx, &def, &pair->contact);
 }
 
+/// Has it parts, or sides of cracks, that may touch each other?
+static bool touches_itself(const LthBody *body) { return body->n_parts > 1 || body->n_fronts > 0; }
+
 LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
   LitheIndex n = world->n_bodies;
   if (!world->scene->contact_bodies) return LITHE_OK;
@@ -161,11 +165,11 @@ LitheStatus lth_world_build_pairs(LitheCtx *ctx, LthWorld *world) {
     return LITHE_OK;
   }
   for (LitheIndex b = 0; b < n; b++)
-    if (world->bodies[b]->n_parts > 1) LITHE_TRY(lth_build_parts(ctx, world->bodies[b]));
+    if (touches_itself(world->bodies[b])) LITHE_TRY(lth_build_parts(ctx, world->bodies[b]));
   LTH_NEW(ctx, world->pairs, (LitheCount)n * (n + 1) / 2);
   for (LitheIndex a = 0; a < n; a++)
     for (LitheIndex b = a; b < n; b++)
-      if (a != b || (world->bodies[a]->n_parts > 1)) LITHE_TRY(build_pair(ctx, world, a, b));
+      if (a != b || touches_itself(world->bodies[a])) LITHE_TRY(build_pair(ctx, world, a, b));
   return LITHE_OK;
 }
 

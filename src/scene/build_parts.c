@@ -1,6 +1,7 @@
 /// The connected parts of a body and the closed surfaces by which they touch each other: boundary faces of the mesh, those
 /// of cuts among them, each on its own part.
 #include "scene/body.h"
+#include "scene/cracks.h"
 
 #include "base/disjoint_sets.h"
 #include "base/tensor.h"
@@ -53,7 +54,9 @@ static LitheStatus find_parts(LitheCtx *ctx, const LthBody *body, LitheIndex *pa
 LitheStatus lth_body_count_parts(LitheCtx *ctx, LthBody *body) {
   LitheIndex *part = NULL;
   body->n_parts = 1;
+  body->n_fronts = 0;
   if (!body->mesh) return LITHE_OK;
+  if (body->space) LITHE_TRY(lth_cracks_count(ctx, body->mesh, &body->n_fronts));
   LTH_NEW(ctx, part, body->mesh->n_cells);
   LitheStatus status = find_parts(ctx, body, part, &body->n_parts);
   lth_free(ctx, part);
@@ -67,7 +70,8 @@ typedef struct Making {
   LitheIndex *part;            ///< of each cell                             (n_cells)
   LitheIndex *face_off, *face; ///< boundary faces of each part              (n + 1)
   LitheIndex *stands_for;      ///< mesh point that each one is contracted into (n_points)
-  LitheIndex *place, *placed; ///< of each mesh point on it, plus one (n_points); and which have one
+  LthCracks cracks;
+  LitheIndex *place, *placed; ///< of each place() on it, plus one; and which have one
   LthPolygonList polygons;    ///< of the face at hand
   LthPolygonWork work;
   LitheIndex *tris, *tri_face; ///< corners; face of the mesh that each is of
@@ -80,13 +84,13 @@ static void free_making(Making *m) {
   void *blocks[] = {m->part,   m->face_off, m->face,     m->place, m->stands_for,
                     m->placed, m->tris,     m->tri_face, m->points};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) lth_free(m->ctx, blocks[i]);
+  lth_cracks_free(m->ctx, &m->cracks);
   lth_polygon_list_free(m->ctx, &m->polygons);
   lth_polygon_work_free(m->ctx, &m->work);
 }
 
 static LitheStatus list_faces(Making *m, LitheIndex n_parts) {
   const LthMesh *mesh = m->body->mesh;
-  LTH_NEW(m->ctx, m->place, mesh->n_points);
   LTH_NEW(m->ctx, m->face_off, (LitheCount)n_parts + 2);
   for (LitheIndex f = 0; f < mesh->n_faces; f++)
     if (mesh->face_cell[2 * f + 1] < 0) m->face_off[m->part[mesh->face_cell[2 * f]] + 2]++;
@@ -161,17 +165,20 @@ static LitheStatus contract(Making *m) {
   return status;
 }
 
-/// Number of a mesh point on the part at hand.
-static LitheStatus place_point(Making *m, LitheIndex p, LitheIndex *number) {
-  if (m->place[p] == 0) {
+/// Number of a mesh point on the part at hand, as the cell of a face sees it: along a crack each side has a point of its own.
+static LitheStatus place_point(Making *m, LitheIndex p, LitheIndex face, LitheIndex *number) {
+  const LthMesh *mesh = m->body->mesh;
+  LitheIndex at = m->stands_for[p];
+  if (m->cracks.n_fronts > 0) at = lth_cracks_corner(&m->cracks, p, mesh->face_cell[2 * face]);
+  if (m->place[at] == 0) {
     LTH_RESERVE(m->ctx, m->points, m->points_cap, 3 * ((LitheCount)m->n_points + 1));
     LTH_RESERVE(m->ctx, m->placed, m->placed_cap, (LitheCount)m->n_points + 1);
-    memcpy(m->points + 3 * (size_t)m->n_points, m->body->mesh->points + 3 * (size_t)p,
+    memcpy(m->points + 3 * (size_t)m->n_points, mesh->points + 3 * (size_t)m->stands_for[p],
            3 * sizeof *m->points);
-    m->placed[m->n_points] = p;
-    m->place[p] = ++m->n_points;
+    m->placed[m->n_points] = at;
+    m->place[at] = ++m->n_points;
   }
-  *number = m->place[p] - 1;
+  *number = m->place[at] - 1;
   return LITHE_OK;
 }
 
@@ -182,10 +189,10 @@ static LitheStatus add_polygon(Making *m, LitheIndex face, LitheIndex n, const L
   LitheIndex *first = m->tris + 3 * (size_t)m->n_tris;
   LITHE_TRY(lth_polygon_triangulate(m->ctx, &m->work, m->body->mesh->points, n, corner, first));
   for (LitheIndex k = 0; k < n - 2; k++) {
-    LitheIndex tri[3], *to = m->tris + 3 * (size_t)m->n_tris;
-    for (int i = 0; i < 3; i++) tri[i] = m->stands_for[first[3 * k + i]];
-    if (tri[0] == tri[1] || tri[1] == tri[2] || tri[2] == tri[0]) continue;
-    for (int i = 0; i < 3; i++) LITHE_TRY(place_point(m, tri[i], &to[i]));
+    LitheIndex tri[3], at[3], *to = m->tris + 3 * (size_t)m->n_tris;
+    for (int i = 0; i < 3; i++) tri[i] = first[3 * k + i], at[i] = m->stands_for[tri[i]];
+    if (at[0] == at[1] || at[1] == at[2] || at[2] == at[0]) continue;
+    for (int i = 0; i < 3; i++) LITHE_TRY(place_point(m, tri[i], face, &to[i]));
     m->tri_face[m->n_tris++] = face;
   }
   return LITHE_OK;
@@ -308,11 +315,22 @@ static void free_surface(LitheCtx *ctx, LthSurface *s) {
   *s = (LthSurface){0};
 }
 
+/// Cracks, and room for the points of a part.
+static LitheStatus find_cracks(Making *m) {
+  const LthMesh *mesh = m->body->mesh;
+  if (m->body->n_fronts > 0) LITHE_TRY(lth_cracks_find(m->ctx, mesh, m->stands_for, &m->cracks));
+  bool any = m->cracks.n_fronts > 0;
+  LTH_NEW(m->ctx, m->place, any ? m->cracks.n_corners : mesh->n_points);
+  return LITHE_OK;
+}
+
 static LitheStatus make_parts(Making *m, LthBodyParts *parts) {
   LTH_NEW(m->ctx, m->part, m->body->mesh->n_cells);
   LITHE_TRY(find_parts(m->ctx, m->body, m->part, &parts->n));
   LITHE_TRY(list_faces(m, parts->n));
   LITHE_TRY(contract(m));
+  LITHE_TRY(find_cracks(m));
+  if (m->cracks.n_fronts > 0) LTH_NEW(m->ctx, parts->cracks, parts->n);
   LTH_NEW(m->ctx, parts->surface, parts->n);
   LTH_NEW(m->ctx, parts->first_point, (LitheCount)parts->n + 1);
   const LitheIndex n = parts->n;
@@ -325,6 +343,8 @@ static LitheStatus make_parts(Making *m, LthBodyParts *parts) {
       free_surface(m->ctx, &parts->surface[*at]);
       continue;
     }
+    if (parts->cracks)
+      LITHE_TRY(lth_cracks_find_sides(m->ctx, &m->cracks, made, &parts->cracks[*at]));
     parts->first_point[*at + 1] = parts->first_point[*at] + parts->surface[*at].n_points;
     ++*at;
   }
@@ -365,6 +385,8 @@ void lth_body_parts_destroy(LitheCtx *ctx, LthBodyParts **parts) {
   LthBodyParts *p = *parts;
   if (!p) return;
   for (LitheIndex k = 0; p->surface && k < p->n; k++) free_surface(ctx, &p->surface[k]);
+  for (LitheIndex k = 0; p->cracks && k < p->n; k++) lth_crack_sides_free(ctx, &p->cracks[k]);
+  lth_free(ctx, p->cracks);
   lth_free(ctx, p->surface);
   lth_free(ctx, p->first_point);
   lth_embedding_destroy(ctx, &p->points);

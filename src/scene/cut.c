@@ -29,9 +29,9 @@ static LitheStatus cut_body(LitheCtx *ctx, LthWorld *world, LitheIndex i, LitheI
   LitheStatus status = ways[cut->kind](ctx, &c);
   lth_section_free(ctx, &c.section);
   LITHE_TRY(status);
-  if (note.n_split + note.n_separated + note.n_removed == 0) return LITHE_OK;
+  if (note.n_split + note.n_separated + note.n_removed == 0 && !note.is_refused) return LITHE_OK;
   *any = true;
-  LITHE_TRY(lth_body_count_cut(ctx, body, note.n_removed > 0));
+  if (!note.is_refused) LITHE_TRY(lth_body_count_cut(ctx, body, note.n_removed > 0));
   return lth_world_note(ctx, world, &note);
 }
 

@@ -148,10 +148,11 @@ static LitheStatus divide_cells(Carving *v) {
 
 // --- sides ---
 
-static LitheStatus find_sides(Carving *v, LitheIndex n[2]) {
+/// And the volume outside and inside.
+static LitheStatus find_sides(Carving *v, double volume[2]) {
   const LthTopology *t = v->c->t;
   LTH_RESERVE(v->ctx, v->side, v->side_cap, t->n_cells);
-  n[0] = n[1] = 0;
+  volume[0] = volume[1] = 0;
   for (LitheIndex cell = 0; cell < t->n_cells; cell++) {
     double rest[3], x[3];
     if (!t->cells[cell].is_live) continue;
@@ -159,7 +160,7 @@ static LitheStatus find_sides(Carving *v, LitheIndex n[2]) {
     lth_cutting_place(v->c, cell, rest, x);
     bool is_inside = lth_bvh_signed_distance(v->bvh, x, NULL) < 0;
     v->side[cell] = is_inside ? INSIDE : OUTSIDE;
-    n[is_inside]++;
+    volume[is_inside] += t->cells[cell].volume;
   }
   return LITHE_OK;
 }
@@ -211,27 +212,42 @@ static LitheStatus remove_side(Carving *v) {
   return n > 0 ? lth_topology_remove(v->ctx, t, n, v->gone) : LITHE_OK;
 }
 
-static LitheStatus check_left(Carving *v, const LitheIndex n[2]) {
+/// A body of which nothing would be left stays what it is: parts of its cells become whole again. Before the run it is
+/// an error, for the scene asks for a body that is not there.
+static LitheStatus refuse(Carving *v) {
   const LthSceneCut *cut = v->c->cut;
-  bool inside = cut->keep == LTH_KEEP_INSIDE;
-  if (cut->keep == LTH_KEEP_BOTH || n[inside] > 0) return LITHE_OK;
-  LITHE_FAIL(v->ctx, LITHE_BAD_INPUT,
-             "%s.carve: nothing is left of the body `%s`, no part of which is %s the solid%s; move "
-             "or turn it, or keep the other side",
-             cut->place, v->c->body->def->name, inside ? "inside" : "outside",
-             v->c->x ? " at this moment" : "");
+  const char *name = v->c->body->def->name,
+             *side = cut->keep == LTH_KEEP_INSIDE ? "inside" : "outside";
+  if (!(cut->at > 0))
+    LITHE_FAIL(v->ctx, LITHE_BAD_INPUT,
+               "%s.carve: nothing is left of the body `%s`, no part of which is %s the solid%s; "
+               "move or turn it, or keep the other side",
+               cut->place, name, side, v->c->x ? " at this moment" : "");
+  lth_warn(v->ctx,
+           "%s.carve: nothing would be left of the body `%s`, no part of which is %s the solid%s, "
+           "and so it is not carved",
+           cut->place, name, side, v->c->x ? " at this moment" : "");
+  v->c->note->is_refused = true;
+  for (LitheIndex cell = 0; cell < v->c->t->n_cells; cell++) v->side[cell] = OUTSIDE;
+  return lth_cut_merge_roots(v->ctx, v->c, &v->roots, &v->side, &v->side_cap);
+}
+
+static bool leaves_nothing(const Carving *v, const double volume[2]) {
+  LthKeep keep = v->c->cut->keep;
+  return keep != LTH_KEEP_BOTH &&
+         volume[keep == LTH_KEEP_INSIDE] < LTH_CRUMB_VOLUME * (volume[0] + volume[1]);
 }
 
 static LitheStatus carve(Carving *v) {
   const LthBody *body = v->c->body;
   const LthShape *shape = &v->c->cut->carve;
-  LitheIndex n[2];
+  double volume[2];
   LITHE_TRY(lth_shape_tessellate(v->ctx, shape, body->cell_size / 4, &v->surface));
   LITHE_TRY(lth_bvh_create_surface(v->ctx, v->surface, &v->bvh));
   LITHE_TRY(lth_cut_roots_begin(v->ctx, v->c->t, &v->roots));
   LITHE_TRY(divide_cells(v));
-  LITHE_TRY(find_sides(v, n));
-  LITHE_TRY(check_left(v, n));
+  LITHE_TRY(find_sides(v, volume));
+  if (leaves_nothing(v, volume)) return refuse(v);
   LITHE_TRY(lth_cut_merge_roots(v->ctx, v->c, &v->roots, &v->side, &v->side_cap));
   LITHE_TRY(count_split(v));
   LITHE_TRY(part_sides(v));

@@ -4,9 +4,8 @@
 
 #include <math.h>
 
-/// A piece is what hangs together by faces across which it may be merged. It is a crumb below this share of the body's volume, or where all its elements are thinner (volume over area) than
+/// A piece is what hangs together by faces across which it may be merged. It is a crumb below LTH_CRUMB_VOLUME, or where all its elements are thinner (volume over area) than
 /// this share of its size: their corners are off by rounding, and integrals over them need its fourth power.
-#define CRUMB_VOLUME 1e-12
 #define CRUMB_THICKNESS 1e-9
 
 /// Or thinner than this share of the way of a wave in a time step, for degree 1 (gradients grow with k (k + 1)): the inertia of
@@ -75,7 +74,7 @@ static bool add(Sweep *s, LitheIndex cell) {
   s->piece[s->n_piece++] = cell;
   s->volume += s->t->cells[cell].volume;
   s->is_thin = s->is_thin && is_thin(s->body, cell);
-  return s->is_thin || s->volume < CRUMB_VOLUME * s->t->volume;
+  return s->is_thin || s->volume < LTH_CRUMB_VOLUME * s->t->volume;
 }
 
 static bool is_crumb(Sweep *s, LitheIndex first) {

@@ -9,6 +9,9 @@
 #include "mesh/topology_section.h"
 #include "scene/cut.h"
 
+/// Of a body's volume: less than that is nothing.
+#define LTH_CRUMB_VOLUME 1e-12
+
 /// A cut of one body in progress.
 typedef struct LthCutting {
   LthBody *body;
@@ -62,5 +65,5 @@ LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c);
 /// away is added to `*n_merged` and `*n_removed`.
 LitheStatus lth_cut_clear_crumbs(LitheCtx *ctx, LthBody *body, LitheIndex *n_merged,
                                  LitheIndex *n_removed);
-/// LITHE_BAD_INPUT: nothing is left of the body.
+/// Where nothing would be left of the body, nothing changes, and the note says so; before the run LITHE_BAD_INPUT.
 LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c);

@@ -304,6 +304,7 @@ static void put_solver(LthJson *json, const LthStepReport *r, double condition) 
   lth_json_bool(json, "converged", r->converged);
   lth_json_integer(json, "iterations", r->linear_total);
   lth_json_integer(json, "newton_iterations", r->newton_iterations);
+  if (r->frozen_steps > 0) lth_json_integer(json, "frozen_steps", r->frozen_steps);
   lth_json_number(json, "residual", r->residual);
   if (isfinite(condition)) lth_json_number(json, "condition", condition);
   lth_json_end_object(json);

@@ -22,7 +22,8 @@ static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *
   if (n->cut >= 0) lth_json_integer(json, "cut", n->cut);
   lth_json_number(json, "time", n->t);
   lth_json_string(json, "body", world->bodies[n->body]->def->name);
-  if (n->cut >= 0) lth_json_bool(json, "missed", has_missed);
+  if (n->cut >= 0) lth_json_bool(json, "missed", has_missed && !n->is_refused);
+  if (n->is_refused) lth_json_bool(json, "refused", true);
   lth_json_integer(json, "split", n->n_split);
   lth_json_integer(json, "separated", n->n_separated);
   lth_json_integer(json, "merged", n->n_merged);

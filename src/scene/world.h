@@ -58,6 +58,7 @@ typedef struct LthChangeNote {
   LthChangeKind kind;
   double t;             ///< [s]
   LitheIndex body, cut; ///< of the scene; cut -1: another change
+  bool is_refused;      ///< nothing would be left of the body, and so nothing was changed
   LitheIndex n_split, n_separated, n_merged,
       n_removed;                  ///< elements split, faces parted, elements merged, taken away
   double area;                    ///< of one side of a cut [m^2]

@@ -58,8 +58,9 @@ typedef struct LthStepReport {
   const char *linear_reason;                       ///< why `auto` took it
   LitheIndex linear_iterations, newton_iterations; ///< of the last step
   LitheCount linear_total;                         ///< of the whole run
-  double residual;                                 ///< of the last step
-  double strain_energy, kinetic_energy, work;      ///< [J]
+  LitheCount frozen_steps; ///< of an iterated integrator that were taken by LTH_IMPLICIT_EULER
+  double residual;         ///< of the last step
+  double strain_energy, kinetic_energy, work; ///< [J]
   double momentum[3], angular_momentum[3];
   LitheIndex contacts;
   double penetration;                            ///< [m]

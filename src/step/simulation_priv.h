@@ -226,6 +226,9 @@ LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look, double t,
                             double dt, double weight, LitheIndex *n_active);
 
+/// The next look for contact begins the step of the last one once more.
+void lth_step_contact_begin_again(LthSimulation *s);
+
 /// Contact's part of the system: y += C x, rhs += its forces, and the diagonal blocks of C (n_extra).
 void lth_step_contact_apply(const LthSimulation *s, const double *x, double *y);
 void lth_step_contact_rhs(const LthSimulation *s, double *rhs);
@@ -264,8 +267,9 @@ bool lth_stage_has_stiffness_damping(const LthSystem *system);
 void lth_stage_add_damped_load(LthSimulation *s, double weight, double t, const double *f0,
                                double *y);
 
-/// Solve the stage for s->solution = v1 from the solution given. Leaves s->x anywhere.
-LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s);
+/// Solve the stage for s->solution = v1 from the solution given. Leaves s->x anywhere. `*ended`: false where rotations that
+/// should follow the solution do not settle.
+LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s, bool *ended);
 
 /// Whether Newton's method finds equilibria: all bodies that are not linear have tangents, and nothing touches. And
 /// whether forces have an energy.

@@ -19,6 +19,11 @@ LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look
   return LITHE_OK;
 }
 
+void lth_step_contact_begin_again(LthSimulation *s) {
+  for (LitheIndex c = 0; c < s->system->n_contacts; c++)
+    lth_contact_begin_again(s->system->contacts[c]);
+}
+
 void lth_step_contact_apply(const LthSimulation *s, const double *x, double *y) {
   for (LitheIndex c = 0; c < s->system->n_contacts; c++)
     lth_contact_apply(s->system->contacts[c], x, y);

@@ -133,14 +133,14 @@ static double inner_tolerance(const LthSimulation *s, double residual, double ta
 
 /// Rotations and followers iterated until the residual is below newton_tolerance. Contact is revised in the first
 /// solves, as in a linear step, and stands in the others: friction's secants would never settle to so many digits.
-static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s) {
+static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s, bool *ended) {
   double residual, target;
   LitheIndex it = 0, linear = 0;
   LITHE_TRY(detect(ctx, s));
   LITHE_TRY(evaluate(ctx, s, &residual, &target));
   for (; it == 0 || residual > target; it++) {
     if (it == s->options.newton_iterations) {
-      s->report.converged = false;
+      *ended = false;
       break;
     }
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
@@ -157,7 +157,8 @@ static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s) {
   return LITHE_OK;
 }
 
-LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s) {
+LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s, bool *ended) {
+  *ended = true;
   s->report.newton_iterations = 0;
   s->contact_stands = false;
   s->rigid.H = s->stage.H;
@@ -165,7 +166,7 @@ LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(lth_step_drive(ctx, s, s->stage.t1, s->stage.H, s->stage.x_hat));
   for (LitheCount i = 0; s->system->has_held && i < s->n; i++)
     if (s->system->held[i]) s->solution[i] = s->driven[i];
-  if (s->stage.iterates) return iterate(ctx, s);
+  if (s->stage.iterates) return iterate(ctx, s, ended);
   memcpy(s->x, s->stage.x_hat, sizeof *s->x * (size_t)s->n);
   LITHE_TRY(linearize(ctx, s));
   LITHE_TRY(detect(ctx, s));

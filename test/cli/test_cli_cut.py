@@ -110,6 +110,39 @@ with folder() as d:
     expect("elements_are_those_of_the_last_cut", result["bodies"][0]["elements"] == notes[2]["elements"], result["bodies"])
     expect("volume_of_the_history_stays", abs(history(d)[-1]["volume"] / 0.002 - 1) < 0.1, history(d)[-1])
 
+# pieces thinner than a percent of an element, pressed flat by others: contact gives no energy, and every step has an end
+for kind in ("implicit-euler", "newton-euler", "bdf2", "newmark"):
+    for sliver in ("1e-4", "0.1"):
+        for friction in ("0.3", "0"):
+            with folder() as d:
+                what = "%s, sliver %s, friction %s" % (kind, sliver, friction)
+                got, result = solve(d, DROP, "--set", "time.integrator=" + kind, "--set", "bodies.0.method.sliver=" + sliver,
+                                    "--set", "contact.friction=" + friction, "--set", "output.every=1/200", "--set", "output.fields=[]")
+                expect("steps_of_pieces_end (%s)" % what, got.returncode == 0 and result["solver"]["converged"], got.stderr)
+                frozen = result["solver"].get("frozen_steps", 0)
+                expect("most_by_the_iteration (%s)" % what, frozen <= (12 if kind == "newmark" else 8), frozen)
+                expect("and_that_is_told (%s)" % what, (frozen > 0) == any("does not end" in w for w in result["warnings"]), result)
+                total = [row["strain_energy"] + row["kinetic_energy"] - row["work"] for row in history(d)]
+                rise = max(b - a for a, b in zip(total, total[1:]))
+                expect("they_gain_no_energy (%s)" % what, max(total) < 1.001 * total[0] and
+                       (rise < 0.1 * total[0] or kind == "newmark"), total) # which nothing damps
+
+# nothing is left: before the run an error, in the middle of it nothing changes
+EATEN = LOSE.replace("{min: [0.23, -5, -5], max: [0.77, 5, 5]}}, keep: inside", "BOX")
+for keep, box in (("inside", "{min: [5, 0, 0], max: [6, 1, 1]}"), ("outside", "{min: [-9, -9, -9], max: [9, 9, 9]}"),
+                  ("inside", "{min: [-1, -1, -1], max: [1e-14, 2, 2]}")):
+    with folder() as d:
+        whole = solve(d, LOSE.replace("cuts:", "probes: []\ncuts:").replace("max: [0.77", "max: [9").replace("min: [0.23", "min: [-9"))
+        before = history(d)
+        got, result = solve(d, EATEN.replace("BOX", "%s}, keep: %s" % (box, keep)))
+        expect("a_carve_that_would_leave_nothing_is_not_made", got.returncode == 0 and result["bodies"][0]["elements"] == 40, got.stderr)
+        note = result["topology"][0]
+        expect("which_is_told", note["refused"] and not note["missed"] and note["elements"] == 40 and
+               sum("cuts.0.carve: nothing would be left of the body `bar`" in w for w in result["warnings"]) == 1, (note, result["warnings"]))
+        expect("and_nothing_changes", history(d) == before, box)
+        first = solve(d, EATEN.replace("BOX", "%s}, keep: %s" % (box, keep)), "--set", "cuts.0.at=0")[0]
+        expect("before_the_run_it_is_an_error", first.returncode == 2 and "nothing is left of the body `bar`" in first.stderr, first.stderr)
+
 with folder() as d:
     got, result = solve(d, BEND)
     expect("a_bar_that_is_cut_along_is_softer", result["reaction"]["bodies.0.constraints.1"][1] < 0, result["reaction"])

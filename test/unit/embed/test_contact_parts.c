@@ -310,6 +310,21 @@ static void what_is_deeper_than_it_can_have_come_does_not_touch(void **state) {
     }
 }
 
+/// Ways along the surface lead nowhere deeper, and what was out of reach in the step before has not come by its way at all.
+static void what_was_not_seen_coming_does_not_touch_where_it_is_deep(void **state) {
+  Fixture *f = *state;
+  for (int deeper = 0; deeper < 2; deeper++) {
+    const double depth = 0.01 * CELL * (deeper ? 1.01 : 0.99), want = deeper ? 0 : 1;
+    Parts *p = make_pair(f, COARSE, 0, false);
+    f->v[3 * f->space->func_off[BLOCK]] = 0.05;
+    CHECK_NEAR(push(f, p, depth, 0), want, 1e-10);
+    f->v[3 * f->space->func_off[BLOCK]] = 0;
+    p = make_pair(f, COARSE, 0, false);
+    CHECK_NEAR(push(f, p, -0.6, 0), 0, 1e-10);
+    CHECK_NEAR(push(f, p, depth, 0.05), want, 1e-10);
+  }
+}
+
 /// A part elsewhere falls in two, and all parts, points and triangles get other numbers; the base's triangles may become
 /// others, too. What is held by friction is held where it was, with the same pull.
 static void friction_holds_where_it_did_after_a_cut_elsewhere(void **state) {
@@ -349,6 +364,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(walls_beside_a_right_angle_do_not_touch, setup, teardown),
       cmocka_unit_test_setup_teardown(what_is_deeper_than_it_can_have_come_does_not_touch, setup,
                                       teardown),
+      cmocka_unit_test_setup_teardown(what_was_not_seen_coming_does_not_touch_where_it_is_deep,
+                                      setup, teardown),
       cmocka_unit_test_setup_teardown(friction_holds_where_it_did_after_a_cut_elsewhere, setup,
                                       teardown)};
   return cmocka_run_group_tests(tests, NULL, NULL);

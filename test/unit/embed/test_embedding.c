@@ -4,6 +4,7 @@
 #include "base/tensor.h"
 #include "embed/cell_search.h"
 #include "embed/embedding.h"
+#include "one_cell.h"
 
 typedef struct Fixture {
   LitheCtx *ctx;
@@ -217,6 +218,60 @@ static void same_bits_for_any_number_of_threads(void **state) {
   lth_embedding_destroy(f->ctx, &e[1]);
 }
 
+#define SPIKES 7
+/// Is the place inside the polygon (even or odd crossings)? `*beside`: farther from all edges than a thousandth.
+static bool is_in_polygon(int n, const double *polygon, const double p[2], bool *beside) {
+  bool inside = false;
+  for (int i = 0; i < n; i++) {
+    const double *a = polygon + 2 * i, *b = polygon + 2 * ((i + 1) % n);
+    double e[2] = {b[0] - a[0], b[1] - a[1]}, d[2] = {p[0] - a[0], p[1] - a[1]};
+    double t = fmin(fmax((e[0] * d[0] + e[1] * d[1]) / (e[0] * e[0] + e[1] * e[1]), 0), 1);
+    *beside = *beside && hypot(d[0] - t * e[0], d[1] - t * e[1]) > 1e-3;
+    if ((a[1] > p[1]) != (b[1] > p[1]) && d[0] < d[1] * e[0] / e[1]) inside = !inside;
+  }
+  return inside;
+}
+
+/// A star with a hole, turned at random, from places in the planes of its ends: inside them it is all around, or half; outside
+/// there is nothing of it, whatever rounding says of each triangle of a fan.
+static void a_place_in_the_plane_of_a_face_is_not_in_the_cell(void **state) {
+  Fixture *f = *state;
+  double star[4 * SPIKES], hole[4 * SPIKES];
+  uint64_t seed = 23;
+  for (int i = 0; i < 2 * SPIKES; i++) {
+    double r = i % 2 ? 0.5 : 1.5, angle = acos(-1) * i / SPIKES;
+    star[2 * i] = r * cos(angle), star[2 * i + 1] = r * sin(angle);
+    hole[2 * i] = 0.5 * star[2 * i], hole[2 * i + 1] = 0.5 * star[2 * i + 1];
+  }
+  for (int turn = 0, n_outside = 0; turn < 10 || n_outside < 1000; turn++) {
+    TestSolid solid;
+    double u[3], v[3], w[3];
+    for (int a = 0; a < 3; a++) u[a] = test_random(&seed) - 0.5, v[a] = test_random(&seed) - 0.5;
+    lth_v3_normalize(u);
+    lth_v3_axpy(-lth_v3_dot(u, v), u, v);
+    lth_v3_normalize(v);
+    lth_v3_cross(u, v, w);
+    test_prism(&solid, 2 * SPIKES, star, 2 * SPIKES, hole, -0.3, 0.4);
+    for (int p = 0; p < solid.n_points; p++) {
+      double x[3] = {0, 0, 0}, *at = solid.points + 3 * p;
+      lth_v3_axpy(at[0], u, x), lth_v3_axpy(at[1], v, x), lth_v3_axpy(at[2], w, x);
+      lth_v3_copy(x, at);
+    }
+    test_finish(&solid);
+    LthMesh *mesh = test_one_cell(f->ctx, &solid);
+    for (int i = 0; i < 300; i++) {
+      double p[2] = {3 * test_random(&seed) - 1.5, 3 * test_random(&seed) - 1.5}, x[3] = {0, 0, 0};
+      bool beside = true, inside = is_in_polygon(2 * SPIKES, star, p, &beside);
+      inside = !is_in_polygon(2 * SPIKES, hole, p, &beside) && inside;
+      if (!beside) continue;
+      lth_v3_axpy(p[0], u, x), lth_v3_axpy(p[1], v, x), lth_v3_axpy(i % 2 ? 0.4 : -0.3, w, x);
+      CHECK_NEAR(lth_cell_winding(mesh, 0, x), inside, 1e-9);
+      n_outside += !inside;
+    }
+    lth_mesh_destroy(f->ctx, &mesh);
+  }
+}
+
 static void finds_the_cell_of_a_point(void **state) {
   Fixture *f = *state;
   make_space(f, true, 1);
@@ -268,6 +323,7 @@ int main(void) {
       TEST(forces_are_the_transpose_of_displacements),
       TEST(same_bits_for_any_number_of_threads),
       TEST(finds_the_cell_of_a_point),
+      TEST(a_place_in_the_plane_of_a_face_is_not_in_the_cell),
       TEST(areas_sum_to_the_surface),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -65,17 +65,23 @@ static void begin(Cube *k, LitheIndex cells) {
   k->cuts = 0;
 }
 
-/// Cut all of it by the plane n . x = height.
-static void cut(Cube *k, double x, double y, double z, double height) {
+/// Cut what has its middle above the plane `above` (NULL: all of it) by the plane n . x = height.
+static void cut_above(Cube *k, double x, double y, double z, double height, const double *above) {
   LthPlane plane = {.point = {height * x, height * y, height * z}, .normal = {x, y, z}};
   LthCut done;
   LitheIndex n = 0, *cells = calloc((size_t)k->topology->n_cells, sizeof *cells);
   for (LitheIndex c = 0; c < k->topology->n_cells; c++)
-    if (k->topology->cells[c].is_live) cells[n++] = c;
+    if (k->topology->cells[c].is_live &&
+        (!above || lth_v3_dot(above, k->topology->cells[c].centroid) > above[3]))
+      cells[n++] = c;
   CHECK_OK(k->ctx, lth_topology_cut(k->ctx, k->topology, n, cells, 1, &plane,
                                     LTH_TAG_CUT - k->cuts++, &done));
   CHECK_OK(k->ctx, lth_topology_forget(k->ctx, k->topology));
   free(cells);
+}
+
+static void cut(Cube *k, double x, double y, double z, double height) {
+  cut_above(k, x, y, z, height, NULL);
 }
 
 static void build_body(Cube *k) {
@@ -109,6 +115,7 @@ static void build_contact(Cube *k, double friction, bool has_floor) {
                                .surface = parts->surface,
                                .first_point = parts->first_point,
                                .n_parts = parts->n,
+                               .cracks = parts->cracks,
                                .modulus = 1.35e5,
                                .cell_size = k->body.cell_size,
                                .body_size = SIDE,
@@ -198,6 +205,94 @@ static void throw_half(Cube *k, const double plane[4], bool above, const double 
 }
 
 static const double none[3] = {0, 0, 0}, down[3] = {0, 0, -GRAVITY};
+
+static double surface_area(const LthSurface *s, const LitheIndex *sheet, LitheIndex wanted,
+                           double normal[3]) {
+  normal[0] = normal[1] = normal[2] = 0;
+  for (LitheIndex t = 0; t < s->n_tris; t++) {
+    double e[2][3], n[3];
+    if (sheet[t] != wanted) continue;
+    for (int i = 0; i < 2; i++)
+      lth_v3_sub(s->points + 3 * s->tris[3 * t + 1 + i], s->points + 3 * s->tris[3 * t], e[i]);
+    lth_v3_cross(e[0], e[1], n);
+    lth_v3_axpy(0.5, n, normal);
+  }
+  return lth_v3_norm(normal);
+}
+
+/// A tongue between two cuts that do not end at one edge: four sheets, of which each looks at one. The tongue's two sides, which
+/// look at each other's backs, are not among them. The surface is closed, and has points of its own on each side.
+static void each_side_of_a_crack_looks_at_the_other(void **state) {
+  Cube *k = *state;
+  const double above[4] = {0, 0, 1, 0.4 * SIDE};
+  begin(k, 5);
+  cut_above(k, 1, 0.1, 0, 0.045, above);
+  cut_above(k, 1, 0.1, 0, 0.061, above);
+  build_body(k);
+  assert_int_equal(k->body.n_parts, 1);
+  CHECK_AT_LEAST(k->body.n_fronts, 2 * 5);
+  const LthCrackSides *sides = k->body.parts->cracks;
+  const LthSurface *s = &k->body.parts->surface[0];
+  CHECK_NEAR(lth_surface_volume(s), SIDE * SIDE * SIDE, 1e-13 * SIDE * SIDE * SIDE);
+  assert_int_equal(sides->n_mates, 4);
+  for (int m = 0; m < 4; m++) {
+    double n[2][3], area[2];
+    const LitheIndex *pair = sides->mates + 2 * m;
+    for (int i = 0; i < 2; i++) area[i] = surface_area(s, sides->sheet, pair[i], n[i]);
+    // without the triangles at the front
+    CHECK_AT_LEAST(area[0], 0.3 * SIDE * SIDE);
+    CHECK_AT_MOST(lth_v3_dot(n[0], n[1]), -0.999 * area[0] * area[1]); // short edges are contracted
+    for (int other = 0; other < 4; other++)
+      if (other != m) assert_true(sides->mates[2 * other] != pair[0]);
+  }
+}
+
+/// Sides of a crack touch with a gap of zero: nothing moves.
+static void a_crack_has_no_force_and_no_energy(void **state) {
+  Cube *k = *state;
+  const double above[4] = {0, 0, 1, 0.4 * SIDE}, right[4] = {1, 0, 0, 0.5 * SIDE};
+  begin(k, 5);
+  cut_above(k, 0.8, 0.6, 0.1, 0.07, above);
+  cut_above(k, 0, 0.1, 1, 0.071, right);
+  start(k, none, 0.3, false, NULL, 0);
+  assert_int_equal(k->body.n_parts, 1);
+  step(k, 20, 0.005);
+  lth_simulation_measure(k->ctx, k->sim);
+  const LthStepReport *report = lth_simulation_report(k->sim);
+  const double scale = 1e5 * SIDE * SIDE * SIDE; // [J] of a strain of one
+  assert_true(k->contact && report->contacts > 0);
+  CHECK_AT_MOST(report->strain_energy, 1e-20 * scale);
+  CHECK_AT_MOST(report->kinetic_energy, 1e-20 * scale);
+  CHECK_AT_MOST(report->penetration, 1e-14);
+}
+
+/// Two halves that hang together at the bottom alone fly at each other: momentum to rounding, and energy never more than there was.
+static void halves_with_a_hinge_do_not_pass_through_each_other(void **state) {
+  Cube *k = *state;
+  const double plane[4] = {1, 0, 0, 0.5 * SIDE}, above[4] = {0, 0, 1, 0.2 * SIDE};
+  double deepest = 0;
+  k->tolerance = 1e-13;
+  begin(k, 5);
+  cut_above(k, plane[0], plane[1], plane[2], plane[3], above);
+  start(k, none, 0.2, false, NULL, 0);
+  throw_half(k, plane, true, (double[]){-0.4, 0.1, 0});
+  Half right = measure(k, plane, true), left = measure(k, plane, false);
+  lth_simulation_measure(k->ctx, k->sim);
+  double energy = lth_simulation_report(k->sim)->kinetic_energy, before[3];
+  lth_v3_add(right.momentum, left.momentum, before);
+  for (int i = 0; i < 60; i++) {
+    step(k, 1, 1e-3);
+    right = measure(k, plane, true), left = measure(k, plane, false);
+    for (int a = 0; a < 3; a++)
+      CHECK_NEAR(right.momentum[a] + left.momentum[a], before[a], 1e-12 * lth_v3_norm(before));
+    lth_simulation_measure(k->ctx, k->sim);
+    const LthStepReport *report = lth_simulation_report(k->sim);
+    CHECK_AT_MOST(report->kinetic_energy + report->strain_energy, energy * (1 + 1e-9));
+    deepest = fmax(deepest, report->penetration);
+  }
+  CHECK_AT_LEAST(deepest, 1e-5 * SIDE); // they did meet
+  CHECK_AT_MOST(deepest, 0.02 * SIDE);
+}
 
 /// Faces of a cut coincide: the gap is zero, and nothing pushes.
 static void a_fresh_cut_has_no_force_and_no_energy(void **state) {
@@ -403,6 +498,10 @@ static void coarse_levels_know_how_fragments_touch(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(a_fresh_cut_has_no_force_and_no_energy, setup, teardown),
+      cmocka_unit_test_setup_teardown(each_side_of_a_crack_looks_at_the_other, setup, teardown),
+      cmocka_unit_test_setup_teardown(a_crack_has_no_force_and_no_energy, setup, teardown),
+      cmocka_unit_test_setup_teardown(halves_with_a_hinge_do_not_pass_through_each_other, setup,
+                                      teardown),
       cmocka_unit_test_setup_teardown(halves_on_the_floor_stay_in_place, setup, teardown),
       cmocka_unit_test_setup_teardown(friction_holds_a_tilted_cut_below_its_angle, setup, teardown),
       cmocka_unit_test_setup_teardown(an_impact_of_two_halves_keeps_momentum, setup, teardown),
