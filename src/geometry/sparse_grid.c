@@ -83,24 +83,41 @@ void lth_sparse_grid_destroy(LitheCtx *ctx, LthSparseGrid **grid) {
   *grid = NULL;
 }
 
+/// log2 of the cells along a block: divisions by a side that compilers do not know took most of the time of output.
+static int side_bits(const LthSparseGrid *g) { return g->dim == 3 ? 3 : 4; }
+
 LitheCount lth_sparse_grid_slot(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
   if (i < 0 || j < 0 || k < 0) return -1;
-  int s = g->side, deep = g->dim == 3 ? s : 1;
-  LitheIndex block = block_at(g, i / s, j / s, k / deep);
+  const int bits = side_bits(g), mask = (1 << bits) - 1, deep = g->dim == 3 ? bits : 0;
+  LitheIndex block = block_at(g, i >> bits, j >> bits, k >> deep);
   if (block < 0) return -1;
-  return (LitheCount)block * g->block_cells + i % s + s * (j % s + s * (k % deep));
+  const LitheIndex layer = g->dim == 3 ? k & mask : 0;
+  return (LitheCount)block * g->block_cells + (((layer << bits) + (j & mask)) << bits) + (i & mask);
 }
 
 void lth_sparse_grid_cell(const LthSparseGrid *g, LitheCount slot, LitheIndex cell[3]) {
-  const LitheIndex *place = g->place + 3 * (slot / g->block_cells);
-  LitheIndex local = (LitheIndex)(slot % g->block_cells), s = g->side;
-  cell[0] = place[0] * s + local % s;
-  cell[1] = place[1] * s + local / s % s;
-  cell[2] = g->dim == 3 ? place[2] * s + local / (s * s) : 0;
+  const int bits = side_bits(g), mask = (1 << bits) - 1, in_block = g->dim * bits;
+  const LitheIndex *place = g->place + 3 * (slot >> in_block);
+  const LitheIndex local = (LitheIndex)(slot & (((LitheCount)1 << in_block) - 1));
+  cell[0] = (place[0] << bits) + (local & mask);
+  cell[1] = (place[1] << bits) + (local >> bits & mask);
+  cell[2] = g->dim == 3 ? (place[2] << bits) + (local >> (2 * bits)) : 0;
 }
 
+// Most steps stay in a block.
 LitheCount lth_sparse_grid_step(const LthSparseGrid *g, LitheCount slot, const int d[3]) {
-  LitheIndex c[3];
-  lth_sparse_grid_cell(g, slot, c);
-  return lth_sparse_grid_slot(g, c[0] + d[0], c[1] + d[1], c[2] + d[2]);
+  const int bits = side_bits(g), side = 1 << bits, mask = side - 1, in_block = g->dim * bits;
+  const LitheIndex local = (LitheIndex)(slot & (((LitheCount)1 << in_block) - 1));
+  const int x = (local & mask) + d[0], y = (local >> bits & mask) + d[1],
+            z = g->dim == 3 ? (local >> (2 * bits)) + d[2] : 0;
+  if (g->dim == 2 && d[2] != 0) return -1;
+  if (((x | y | z) & ~mask) == 0)
+    return slot + d[0] + d[1] * side + d[2] * side * side;
+  const int dx = x < 0 ? -1 : x >= side, dy = y < 0 ? -1 : y >= side, dz = z < 0 ? -1 : z >= side;
+  const LitheCount block = slot >> in_block;
+  const LitheIndex to =
+      g->neighbor[block * g->n_neighbors + g->n_neighbors / 2 + 9 * dz + 3 * dy + dx];
+  if (to < 0) return -1;
+  return ((LitheCount)to << in_block) + ((((LitheCount)(z & mask) << bits) + (y & mask)) << bits) +
+         (x & mask);
 }
