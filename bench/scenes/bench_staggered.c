@@ -5,8 +5,9 @@
 /// written once, no coefficients) at the speed of STREAM's triad (24 bytes an entry), on as many threads in the same run.
 ///
 ///   bench_staggered [--csv] [--threads N] [--dim 2|3] [--cells N] [--nu X] [--mesh FILE] [--export FILE]
+///                   [--displacement]
 ///
-/// From nu = 0.45 on the mixed form is measured, with its own operator.
+/// From nu = 0.45 on the mixed form is measured, with its own operator, unless `--displacement` is given.
 /// `--cells N`: this size alone, else a few. `--export FILE`: the matrix over free unknowns, for bench/peers/staggered.py.
 #include "base/tensor.h"
 #include "disc/staggered/staggered.h"
@@ -26,6 +27,7 @@ typedef struct Options {
   LitheIndex cells;
   double nu;
   const char *mesh, *file;
+  bool displacement; ///< this form also near nu = 1/2
 } Options;
 
 typedef struct Body {
@@ -55,7 +57,7 @@ static void material(const void *self, const double x[3], double *E, double *nu,
 }
 
 /// As `formulation: auto` chooses.
-static bool is_mixed(const Options *o) { return o->nu >= 0.45; }
+static bool is_mixed(const Options *o) { return o->nu >= 0.45 && !o->displacement; }
 
 static bool is_held(const void *self, const double x[3]) {
   const Body *b = self;
@@ -313,6 +315,10 @@ static Options read_options(int argc, char **argv) {
     const char *value = i + 1 < argc ? argv[i + 1] : "";
     if (strcmp(argv[i], "--csv") == 0) {
       o.csv = true;
+      continue;
+    }
+    if (strcmp(argv[i], "--displacement") == 0) {
+      o.displacement = true;
       continue;
     }
     i++;

@@ -2,6 +2,8 @@
 /// Smoother: Chebyshev polynomials of the fourth kind (Lottes 2023), which need an upper bound of the spectrum alone.
 #include "disc/staggered/staggered_multigrid_priv.h"
 
+#define STIFF_DEGREE 10 ///< of smoothers from nu = 0.45 on
+
 /// Step `i` = 1, 2, ... of a smoother for eigenvalues in (0, greatest].
 static LthFastStep step_of(const LthFastLevel *L, int i) {
   double k = 2 * i + 1;
@@ -113,16 +115,31 @@ LitheStatus lth_staggered_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, double 
   return LITHE_OK;
 }
 
-/// The start is smooth but for what interpolation adds, and that has to be gone before a residual is restricted, while a correction
-/// leaves little: all steps are before. The cycle need not be symmetric here.
+/// What a pass of full multigrid does on a level. The start is smooth but for what interpolation adds, and that has to be gone before
+/// a residual is restricted, while a correction leaves little: all steps are before. The cycle need not be symmetric here.
+/// One cycle does in the plane; a second one below the finest level is cheap, an eighth of a cycle in space and a third in the plane,
+/// and is taken there and near nu = 1/2, where interpolation adds more (test_staggered_full.c).
+typedef struct Pass {
+  Steps steps;
+  int coarse_cycles; ///< on every level but the finest
+} Pass;
+
+static Pass pass_of(const LthStaggeredMultigrid *M) {
+  const bool space = M->fine.grid->dim == 3, stiff = M->degree >= STIFF_DEGREE;
+  return (Pass){.steps = {M->degree + (space && stiff ? (2 * M->degree) / 5 : 1), 0},
+                .coarse_cycles = space || stiff ? 2 : 1};
+}
+
 LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   const int last = M->n_levels - 1;
-  const Steps same = {M->degree, M->degree}, early = {M->degree + 1, 0};
+  const Steps same = {M->degree, M->degree};
+  const Pass pass = pass_of(M);
   for (int l = 0; l < last; l++) restrict_down(ctx, &M->level[l], &M->level[l + 1], true);
   LITHE_TRY(run_cycle(ctx, M, last, &same, true, NULL));
   for (int l = last - 1; l >= 0; l--) {
     prolong_up(ctx, &M->level[l], &M->level[l + 1], false);
-    LITHE_TRY(run_cycle(ctx, M, l, &early, false, NULL));
+    for (int i = 0; i < (l > 0 ? pass.coarse_cycles : 1); i++)
+      LITHE_TRY(run_cycle(ctx, M, l, &pass.steps, false, NULL));
   }
   return LITHE_OK;
 }
