@@ -12,6 +12,10 @@
 #define LTH_MESSAGE_MAX 4096
 #define LTH_WARNINGS_MAX 1000
 #define LTH_ALIGNMENT 64
+#define SPARES_MAX 64
+#define SPARE_LEAST ((size_t)1 << 18) ///< bytes: smaller blocks are the allocator's own business
+
+typedef struct BlockHead BlockHead;
 
 struct LitheCtx {
   LitheCtxDef def;
@@ -24,13 +28,19 @@ struct LitheCtx {
   LitheIndex n_warnings;
   uint64_t inputs; ///< sum of digests
   char progress_head[LTH_PROGRESS_HEAD_MAX];
+  bool keeps_spares;
+  atomic_flag is_sparing; ///< spares
+  BlockHead *spare[SPARES_MAX];
+  uint32_t spare_age[SPARES_MAX]; ///< when it came
+  int n_spares;
+  uint32_t age;
 };
 
 /// Stands in front of every block so that its size is known when it is freed.
-typedef struct BlockHead {
-  size_t bytes;
-  char pad[LTH_ALIGNMENT - sizeof(size_t)];
-} BlockHead;
+struct BlockHead {
+  size_t bytes, room; ///< in use, there
+  char pad[LTH_ALIGNMENT - 2 * sizeof(size_t)];
+};
 
 static const struct {
   int exit_status;
@@ -123,12 +133,14 @@ LitheCtx *lithe_ctx_create(const LitheCtxDef *def) {
   if (!ctx->def.allocate) ctx->def.allocate = default_allocate;
   if (!ctx->def.release) ctx->def.release = default_release;
   atomic_flag_clear(&ctx->is_writing);
+  atomic_flag_clear(&ctx->is_sparing);
   lth_set_threads(ctx, def->threads);
   return ctx;
 }
 
 void lithe_ctx_destroy(LitheCtx **ctx) {
   if (!ctx || !*ctx) return;
+  lth_keep_spares(*ctx, false);
   for (LitheIndex i = 0; i < (*ctx)->n_warnings; i++) free((*ctx)->warnings[i]);
   free((*ctx)->warnings);
   free(*ctx);
@@ -203,23 +215,100 @@ static bool is_mapped(const LitheCtx *ctx, size_t bytes) {
 #endif
 }
 
-void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
+static void release_block(LitheCtx *ctx, BlockHead *head) {
+  if (is_mapped(ctx, head->room))
+    unmap(head, head->room);
+  else
+    ctx->def.release(ctx->def.memory_user, head);
+}
+
+static void begin_sparing(LitheCtx *ctx) {
+  while (atomic_flag_test_and_set(&ctx->is_sparing)) {
+  }
+}
+
+/// The smallest spare block that fits and is not much too large, or NULL.
+static BlockHead *take_spare(LitheCtx *ctx, size_t whole) {
+  BlockHead *found = NULL;
+  int best = -1;
+  begin_sparing(ctx);
+  for (int i = 0; i < ctx->n_spares; i++) {
+    size_t room = ctx->spare[i]->room;
+    if (room >= whole && room / 2 <= whole && (best < 0 || room < ctx->spare[best]->room)) best = i;
+  }
+  if (best >= 0) {
+    found = ctx->spare[best];
+    ctx->spare_age[best] = ctx->spare_age[--ctx->n_spares];
+    ctx->spare[best] = ctx->spare[ctx->n_spares];
+  }
+  atomic_flag_clear(&ctx->is_sparing);
+  return found;
+}
+
+/// False where there are enough.
+static bool put_spare(LitheCtx *ctx, BlockHead *head) {
+  begin_sparing(ctx);
+  bool fits = ctx->n_spares < SPARES_MAX;
+  if (fits) {
+    ctx->spare_age[ctx->n_spares] = ctx->age;
+    ctx->spare[ctx->n_spares++] = head;
+  }
+  atomic_flag_clear(&ctx->is_sparing);
+  return fits;
+}
+
+void lth_keep_spares(LitheCtx *ctx, bool keeps) {
+  ctx->keeps_spares = keeps;
+  while (!keeps && ctx->n_spares > 0) release_block(ctx, ctx->spare[--ctx->n_spares]);
+}
+
+void lth_age_spares(LitheCtx *ctx) {
+  int n = 0;
+  for (int i = 0; i < ctx->n_spares; i++)
+    if (ctx->spare_age[i] < ctx->age) {
+      release_block(ctx, ctx->spare[i]);
+    } else {
+      ctx->spare_age[n] = ctx->spare_age[i];
+      ctx->spare[n++] = ctx->spare[i];
+    }
+  ctx->n_spares = n;
+  ctx->age++;
+}
+
+/// A block from the spare ones, or a new one with room to grow into; zeros but for spare ones that are written anyway.
+static BlockHead *find_block(LitheCtx *ctx, size_t whole, bool is_rough) {
+  const bool spares = ctx->keeps_spares && whole >= SPARE_LEAST;
+  // nothing is in memory before it is written
+  size_t room = spares ? whole + whole / 4 / LTH_ALIGNMENT * LTH_ALIGNMENT : whole;
+  BlockHead *head = spares ? take_spare(ctx, whole) : NULL;
+  const bool is_new = !head, mapped = is_new && is_mapped(ctx, room);
+  if (is_new)
+    head = mapped ? map_zeros(room) : ctx->def.allocate(ctx->def.memory_user, LTH_ALIGNMENT, room);
+  if (!head) return NULL;
+  if (!is_new) room = head->room;
+  if (is_new ? !mapped : !is_rough) memset(head, 0, whole);
+  head->bytes = whole;
+  head->room = room;
+  return head;
+}
+
+static void *allocate(LitheCtx *ctx, LitheCount count, size_t size, bool is_rough) {
   size_t bytes = 0;
   if (count < 0 || __builtin_mul_overflow((size_t)count, size, &bytes) ||
       bytes > PTRDIFF_MAX - 2 * sizeof(BlockHead))
     return NULL;
   size_t whole = (bytes + 2 * sizeof(BlockHead) - 1) / sizeof(BlockHead) * sizeof(BlockHead);
-  const bool mapped = is_mapped(ctx, whole);
-  BlockHead *head =
-      mapped ? map_zeros(whole) : ctx->def.allocate(ctx->def.memory_user, LTH_ALIGNMENT, whole);
+  BlockHead *head = find_block(ctx, whole, is_rough);
   if (!head) return NULL;
-  if (!mapped) memset(head, 0, whole);
-  head->bytes = whole;
   atomic_fetch_add(&ctx->n_allocs, 1);
   const long long now = atomic_fetch_add(&ctx->bytes, (long long)whole) + (long long)whole;
   long long peak = atomic_load(&ctx->peak);
   while (now > peak && !atomic_compare_exchange_weak(&ctx->peak, &peak, now)) continue;
   return head + 1;
+}
+
+void *lth_alloc(LitheCtx *ctx, LitheCount count, size_t size) {
+  return allocate(ctx, count, size, false);
 }
 
 void *lth_realloc(LitheCtx *ctx, void *block, LitheCount old_count, LitheCount count, size_t size) {
@@ -235,21 +324,27 @@ void lth_free(LitheCtx *ctx, void *block) {
   if (!block) return;
   BlockHead *head = (BlockHead *)block - 1;
   atomic_fetch_sub(&ctx->bytes, (long long)head->bytes);
-  if (is_mapped(ctx, head->bytes))
-    unmap(head, head->bytes);
-  else
-    ctx->def.release(ctx->def.memory_user, head);
+  if (ctx->keeps_spares && head->room >= SPARE_LEAST && put_spare(ctx, head)) return;
+  release_block(ctx, head);
 }
 
 LitheCount lth_alloc_count(const LitheCtx *ctx) { return atomic_load(&ctx->n_allocs); }
 LitheCount lth_alloc_bytes(const LitheCtx *ctx) { return atomic_load(&ctx->bytes); }
 LitheCount lth_alloc_peak(const LitheCtx *ctx) { return atomic_load(&ctx->peak); }
 
-LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
-  *ptr = lth_alloc(ctx, count, size);
-  if (*ptr) return LITHE_OK;
+static LitheStatus fail_memory(LitheCtx *ctx, LitheCount count, size_t size) {
   return lth_fail(ctx, LITHE_NO_MEMORY, "out of memory: %lld x %zu bytes were asked for",
                   (long long)count, size);
+}
+
+LitheStatus lth_new_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
+  *ptr = lth_alloc(ctx, count, size);
+  return *ptr ? LITHE_OK : fail_memory(ctx, count, size);
+}
+
+LitheStatus lth_new_rough_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size) {
+  *ptr = allocate(ctx, count, size, true);
+  return *ptr ? LITHE_OK : fail_memory(ctx, count, size);
 }
 
 LitheStatus lth_reserve_(LitheCtx *ctx, void **ptr, LitheCount *cap, LitheCount need, size_t size) {
@@ -294,6 +389,12 @@ void lth_progress_head(LitheCtx *ctx, const char *head) {
 
 void lth_note_input(LitheCtx *ctx, uint64_t digest) { ctx->inputs += digest; }
 uint64_t lth_inputs(const LitheCtx *ctx) { return ctx->inputs; }
+
+double lth_processor_time(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 double lth_now(void) {
   struct timespec now;

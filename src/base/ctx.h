@@ -24,6 +24,17 @@ void *lth_realloc(LitheCtx *ctx, void *block, LitheCount old_count, LitheCount c
 /// Free a block of lth_alloc(). Accepts NULL.
 void lth_free(LitheCtx *ctx, void *block);
 
+/// Keep large blocks that are freed, and give them out again: pages that are in memory already cost nothing, new ones as much as the
+/// work on them. Blocks get a quarter more room, so that what is made again a little larger finds its own place.
+/// False: release what is kept.
+void lth_keep_spares(LitheCtx *ctx, bool keeps);
+
+/// Release spare blocks that nobody has asked for since the last call.
+void lth_age_spares(LitheCtx *ctx);
+
+/// As lth_alloc() for a table that its owner writes in full before it is read: spare blocks come as they are.
+LitheStatus lth_new_rough_(LitheCtx *ctx, void **ptr, LitheCount count, size_t size);
+
 /// Number of allocations so far; tests compare it before and after a step.
 LitheCount lth_alloc_count(const LitheCtx *ctx);
 
@@ -56,6 +67,9 @@ uint64_t lth_inputs(const LitheCtx *ctx);
 /// Wall clock [s] from an arbitrary start.
 double lth_now(void);
 
+/// Seconds that processors have worked for this process, all threads together: other programs do not stretch them.
+double lth_processor_time(void);
+
 /// Fail from the current function: LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s: expected ..., got %g", ...).
 #define LITHE_FAIL(ctx, status, ...) return lth_fail((ctx), (status), __VA_ARGS__)
 
@@ -79,6 +93,10 @@ double lth_now(void);
 /// As LTH_NEW, but sets `status` and jumps to `label`.
 #define LTH_NEW_OR(label, ctx, ptr, count)                                                         \
   LITHE_TRY_OR(label, lth_new_((ctx), (void **)&(ptr), (count), sizeof *(ptr)))
+
+/// As LTH_NEW_OR, of lth_new_rough_().
+#define LTH_NEW_ROUGH_OR(label, ctx, ptr, count)                                                   \
+  LITHE_TRY_OR(label, lth_new_rough_((ctx), (void **)&(ptr), (count), sizeof *(ptr)))
 
 /// Make room for at least `need` elements in a growable array (doubling).
 #define LTH_RESERVE(ctx, ptr, cap, need)                                                           \

@@ -36,7 +36,7 @@ LitheStatus lth_block_jacobi_create(LitheCtx *ctx, const LthBlockMatrix *A, LthB
     LitheCount m = A->row_off[row + 1] - A->row_off[row];
     M->inv_off[row + 1] = M->inv_off[row] + m * m;
   }
-  LTH_NEW_OR(done, ctx, M->inv, M->inv_off[A->n_rows]);
+  LTH_NEW_ROUGH_OR(done, ctx, M->inv, M->inv_off[A->n_rows]);
   *out = M;
   M = NULL;
 done:

@@ -89,6 +89,17 @@ done:
   return status;
 }
 
+LitheStatus lth_block_matrix_create_rough(LitheCtx *ctx, LitheIndex n_rows,
+                                          const LitheCount *row_off, const LitheCount *block_off,
+                                          const LitheIndex *block_col, LthBlockMatrix **matrix) {
+  LitheStatus status = LITHE_OK;
+  LITHE_TRY(create_pattern(ctx, n_rows, row_off, block_off, block_col, matrix));
+  LTH_NEW_ROUGH_OR(done, ctx, (*matrix)->values, (*matrix)->value_off[block_off[n_rows]]);
+done:
+  if (status != LITHE_OK) lth_block_matrix_destroy(ctx, matrix);
+  return status;
+}
+
 LitheStatus lth_block_matrix_lend(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,
                                   const LitheCount *block_off, const LitheIndex *block_col,
                                   const LitheCount *value_off, double *values,

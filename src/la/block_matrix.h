@@ -23,6 +23,11 @@ LitheStatus lth_block_matrix_create(LitheCtx *ctx, LitheIndex n_rows, const Lith
                                     const LitheCount *block_off, const LitheIndex *block_col,
                                     LthBlockMatrix **A);
 
+/// The same for who writes all blocks before they are read: values are not zero.
+LitheStatus lth_block_matrix_create_rough(LitheCtx *ctx, LitheIndex n_rows,
+                                          const LitheCount *row_off, const LitheCount *block_off,
+                                          const LitheIndex *block_col, LthBlockMatrix **A);
+
 /// The same over values of another, borrowed for life: those of block e from value_off[e] on, none of them beyond
 /// value_off[n_blocks].
 LitheStatus lth_block_matrix_lend(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *row_off,

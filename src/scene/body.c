@@ -159,6 +159,11 @@ static LitheStatus build_conditions(LitheCtx *ctx, LthBody *body) {
                        .density = body->density,
                        .weak = body->weak,
                        .n_weak = body->n_weak};
+  if (body->change && !body->warped) {
+    if (!body->change->kept) LITHE_TRY(lth_dg_kept_create(ctx, &body->change->kept));
+    disc.kept = body->change->kept;
+    disc.cell_record = body->change->cell_record;
+  }
   return lth_dg_disc_create(ctx, &disc, &body->disc);
 }
 
@@ -177,8 +182,16 @@ LitheStatus lth_body_create_mesh(LitheCtx *ctx, const LthScene *scene, const Lth
   return status;
 }
 
+LitheStatus lth_body_keep_matrix(LitheCtx *ctx, LthBody *body) {
+  LthBodyChange *c = body->change;
+  if (!c || !c->kept) return LITHE_OK;
+  LthDgRecords records = lth_body_records(body);
+  return lth_dg_kept_follow(ctx, c->kept, c->topology, &records, body->op, NULL);
+}
+
 LitheStatus lth_body_build_on_mesh(LitheCtx *ctx, LthBody *body) {
   LITHE_TRY(lth_body_build_conditions(ctx, body));
+  LITHE_TRY(lth_body_keep_matrix(ctx, body));
   LITHE_TRY(lth_build_embedding(ctx, body));
   return lth_build_contact(ctx, body);
 }

@@ -101,6 +101,9 @@ LitheStatus lth_body_build_space(LitheCtx *ctx, LthBody *body);
 /// What a check needs on top of the mesh: material, selections, operator.
 LitheStatus lth_body_build_conditions(LitheCtx *ctx, LthBody *body);
 
+/// Matrix entries of a linear body whose elements change, where its operator has others than before.
+LitheStatus lth_body_keep_matrix(LitheCtx *ctx, LthBody *body);
+
 /// The body as part of a system.
 LthSystemBody lth_body_as_part(const LthBody *body);
 

@@ -57,6 +57,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body) {
   lth_cut_surface_end(ctx, &c->surface);
   lth_topology_destroy(ctx, &c->topology);
   lth_dg_store_destroy(ctx, &c->store);
+  lth_dg_kept_destroy(ctx, &c->kept);
   lth_embedding_rows_destroy(ctx, &c->rows);
   if (c->refinement) lth_refinement_free(ctx, c->refinement);
   lth_free(ctx, c->refinement);
@@ -83,7 +84,14 @@ LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body) {
   LthBodyChange *c = body->change;
   LITHE_ASSERT(!c->atoms);
   LITHE_TRY(lth_body_change_inherit(ctx, body));
-  return lth_topology_mesh(ctx, c->topology, 0, NULL, &c->atoms, &c->atom_record, NULL);
+  const LthTopologyLog *log = &c->topology->log;
+  LitheIndex *births = NULL;
+  LTH_NEW(ctx, births, log->n_births);
+  for (LitheIndex i = 0; i < log->n_births; i++) births[i] = log->births[i].cell;
+  LitheStatus status =
+      lth_topology_mesh(ctx, c->topology, log->n_births, births, &c->atoms, &c->atom_record, NULL);
+  lth_free(ctx, births);
+  return status;
 }
 
 bool lth_body_has_changed(const LthBody *body) {
@@ -169,14 +177,26 @@ LitheStatus lth_body_change_mesh(LitheCtx *ctx, LthBody *body) {
   return lth_body_change_number(ctx, body, cell_record, face_record);
 }
 
+const char *lth_cost_name(LthCostPart part) {
+  static const char *const names[LTH_COST_COUNT] = {
+      "geometry", "mesh",   "surface",  "lists",   "integration", "assembly", "embedding",
+      "contact",  "system", "transfer", "measure", "output",      "solver"};
+  return names[part];
+}
+
 void lth_world_cost_begin(LthWorld *world) {
-  world->cost = (LthCost){.last = lth_now(), .n_told = world->n_settled};
+  world->cost = (LthCost){.last = lth_processor_time(), .n_told = world->n_settled};
 }
 
 void lth_world_cost_add(LthWorld *world, LthCostPart part) {
-  double now = lth_now();
+  double now = lth_processor_time();
   world->cost.seconds[part] += now - world->cost.last;
   world->cost.last = now;
+}
+
+void lth_world_cost_move(LthWorld *world, LthCostPart from, LthCostPart to, double seconds) {
+  world->cost.seconds[from] -= seconds;
+  world->cost.seconds[to] += seconds;
 }
 
 void lth_world_cost_tell(LthWorld *world, double factor) {

@@ -5,7 +5,7 @@
 /// merged, lth_body_change_hold() and the merges, then lth_world_renew(), then the observers (lth_output_renew()).
 #pragma once
 
-#include "disc/dg/dg_store.h"
+#include "disc/dg/dg_kept.h"
 #include "mesh/refinement.h"
 #include "scene/world.h"
 
@@ -39,13 +39,14 @@ struct LthBodyChange {
 
   LthRefinement *refinement; ///< what can be merged back; NULL: the body does not adapt
 
-  // cells between splits and merges
+  // births between splits and merges
   LthMesh *atoms; ///< NULL: nothing was merged
   LitheIndex *atom_record;
 
   LthCutSurface
       *surface;      ///< the embedded surface (cut_surface.h); NULL: none, or nothing is ever cut
   LthDgStore *store; ///< integrals by record
+  LthDgKept *kept;   ///< the stiffness of a linear body by record; NULL: it turns with the body
   LthEmbeddingRows
       *rows; ///< of the embedded surface, those of the mesh before; NULL: nothing is embedded
 
@@ -67,7 +68,7 @@ void lth_body_change_end(LitheCtx *ctx, LthBody *body);
 /// Give births level and degree of their (first) parent, where they have none yet.
 LitheStatus lth_body_change_inherit(LitheCtx *ctx, LthBody *body);
 
-/// Between splits and merges: remember the cells of now, of which each is a part of one old cell and of one new one.
+/// Between splits and merges: remember the births of now, of which each is a part of one old cell and of one new one.
 LitheStatus lth_body_change_hold(LitheCtx *ctx, LthBody *body);
 
 /// True where the log of a body's topology has something to follow, or a cell another degree than its space.
@@ -115,9 +116,14 @@ LitheStatus lth_world_settle_notes(LitheCtx *ctx, LthWorld *world);
 /// the world may only be destroyed.
 LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world);
 
+/// The key of a part in result.json.
+const char *lth_cost_name(LthCostPart part);
+
 /// Begin to count what a change costs; add the time since the last call to a part.
 void lth_world_cost_begin(LthWorld *world);
 void lth_world_cost_add(LthWorld *world, LthCostPart part);
+/// What was counted with one part belongs to another.
+void lth_world_cost_move(LthWorld *world, LthCostPart from, LthCostPart to, double seconds);
 
 /// Once the next step is made, `factor` seconds of which went into preconditioners: give the notes of the last change its cost.
 void lth_world_cost_tell(LthWorld *world, double factor);

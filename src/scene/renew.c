@@ -12,35 +12,83 @@ void lth_renewal_free(LitheCtx *ctx, LthRenewal *r) {
   if (r->old.def) lth_body_free_on_mesh(ctx, &r->old);
   if (r->old.mesh != r->first) lth_mesh_destroy(ctx, &r->old.mesh);
   lth_mesh_destroy(ctx, &r->atoms);
+  lth_free(ctx, r->same);
   lth_free(ctx, r->from_cell);
   lth_free(ctx, r->to_cell);
+  lth_free(ctx, r->atom);
   *r = (LthRenewal){0};
 }
 
 // --- what old and new cells have in common ---
 
-/// Atoms are the cells before merges, or where nothing was merged the new ones.
-static LitheStatus find_atoms(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
+static LitheStatus add_atom(LitheCtx *ctx, LthRenewal *r, LitheIndex atom, LitheIndex from,
+                            LitheIndex to) {
+  LITHE_ASSERT(from >= 0); // merges come after lth_body_change_hold()
+  LTH_RESERVE(ctx, r->from_cell, r->cap_from, (LitheCount)r->n_atoms + 1);
+  LTH_RESERVE(ctx, r->to_cell, r->cap_to, (LitheCount)r->n_atoms + 1);
+  LTH_RESERVE(ctx, r->atom, r->cap_atom, (LitheCount)r->n_atoms + 1);
+  r->atom[r->n_atoms] = atom;
+  r->from_cell[r->n_atoms] = from;
+  r->to_cell[r->n_atoms++] = to;
+  return LITHE_OK;
+}
+
+/// Cells that are what they were, and those of which the degree alone is another.
+static LitheStatus find_same(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
+                             LthRenewal *r) {
+  const LthBodyChange *c = body->change;
+  LTH_NEW(ctx, r->same, body->mesh->n_cells);
+  for (LitheIndex i = 0; i < body->mesh->n_cells; i++) {
+    const bool is_new = c->topology->cells[cell_record[i]].is_new;
+    LitheIndex from = is_new ? -1 : c->record_cell[cell_record[i]];
+    const bool is_same = from >= 0 && r->old.space->degree[from] == c->degree[cell_record[i]];
+    r->same[i] = is_same ? from : -1;
+    if (!is_new && !is_same) LITHE_TRY(add_atom(ctx, r, -1, from, i));
+  }
+  return LITHE_OK;
+}
+
+/// Without merges births are parts of old cells.
+static LitheStatus find_parts(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
                               LthRenewal *r) {
-  LthBodyChange *c = body->change;
+  const LthBodyChange *c = body->change;
+  for (LitheIndex i = 0; i < body->mesh->n_cells; i++)
+    if (c->topology->cells[cell_record[i]].is_new)
+      LITHE_TRY(
+          add_atom(ctx, r, i, c->record_cell[lth_topology_before(c->topology, cell_record[i])], i));
+  return LITHE_OK;
+}
+
+/// With merges they are made of births before these, and of old cells.
+static LitheStatus find_merged(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
+                               LthRenewal *r) {
+  const LthBodyChange *c = body->change;
   const LthTopology *t = c->topology;
-  const LitheIndex *record = c->atoms ? c->atom_record : cell_record;
-  r->atoms = c->atoms;
-  c->atoms = NULL;
-  const LthMesh *atoms = lth_renewal_atoms(r, body);
   LitheIndex *place = NULL;
-  LTH_NEW(ctx, r->from_cell, atoms->n_cells);
-  LTH_NEW(ctx, r->to_cell, atoms->n_cells);
+  LitheStatus status = LITHE_OK;
   LTH_NEW(ctx, place, t->n_cells);
   for (LitheIndex i = 0; i < body->mesh->n_cells; i++) place[cell_record[i]] = i;
-  for (LitheIndex i = 0; i < atoms->n_cells; i++) {
-    LitheIndex before = lth_topology_before(t, record[i]), now = lth_topology_now(t, record[i]);
-    LITHE_ASSERT(before >= 0); // merges come after lth_body_change_hold()
-    r->from_cell[i] = c->record_cell[before];
-    r->to_cell[i] = now >= 0 ? place[now] : -1;
+  for (LitheIndex i = 0; i < r->atoms->n_cells; i++) {
+    LitheIndex now = lth_topology_now(t, c->atom_record[i]);
+    LitheIndex before = lth_topology_before(t, c->atom_record[i]);
+    LITHE_TRY_OR(done, add_atom(ctx, r, i, c->record_cell[before], now >= 0 ? place[now] : -1));
   }
+  for (LitheIndex i = 0; i < t->log.n_dead_cells; i++) {
+    LitheIndex cell = t->log.dead_cells[i], now = lth_topology_now(t, cell);
+    if (!t->cells[cell].is_new && now >= 0)
+      LITHE_TRY_OR(done, add_atom(ctx, r, -1, c->record_cell[cell], place[now]));
+  }
+done:
   lth_free(ctx, place);
-  return LITHE_OK;
+  return status;
+}
+
+static LitheStatus find_atoms(LitheCtx *ctx, const LthBody *body, const LitheIndex *cell_record,
+                              LthRenewal *r) {
+  r->atoms = body->change->atoms;
+  body->change->atoms = NULL;
+  LITHE_TRY(find_same(ctx, body, cell_record, r));
+  return r->atoms ? find_merged(ctx, body, cell_record, r) : find_parts(ctx, body, cell_record, r);
 }
 
 // --- material ---
@@ -59,10 +107,20 @@ static LitheStatus inherit_material(LitheCtx *ctx, LthBody *body, const LthRenew
   LTH_NEW_OR(done, ctx, body->yield, n);
   LTH_NEW_OR(done, ctx, volume, n);
   LTH_NEW_OR(done, ctx, largest, n);
-  for (LitheIndex i = 0; i < atoms->n_cells; i++) {
+  for (LitheIndex c = 0; c < n; c++) {
+    LitheIndex from = r->same[c];
+    if (from < 0) continue;
+    body->young[c] = r->old.young[from];
+    body->poisson[c] = r->old.poisson[from];
+    body->density[c] = r->old.density[from];
+    body->label[c] = r->old.label[from];
+    body->yield[c] = r->old.yield[from];
+  }
+  for (LitheIndex i = 0; i < r->n_atoms; i++) {
     LitheIndex from = r->from_cell[i], to = r->to_cell[i];
     if (to < 0) continue;
-    double v = atoms->cell_volume[i], share = volume[to] > 0 ? v / (volume[to] + v) : 1;
+    double v = r->atom[i] < 0 ? r->old.mesh->cell_volume[from] : atoms->cell_volume[r->atom[i]];
+    double share = volume[to] > 0 ? v / (volume[to] + v) : 1;
     volume[to] += v;
     body->young[to] += share * (r->old.young[from] - body->young[to]);
     body->poisson[to] += share * (r->old.poisson[from] - body->poisson[to]);
@@ -106,6 +164,7 @@ static LitheStatus renew_body(LitheCtx *ctx, LthWorld *world, LthBody *body, Lth
   LitheStatus status = LITHE_OK;
   LthMesh *mesh = NULL;
   LitheIndex *cell_record = NULL, *face_record = NULL;
+  double integrated = lth_dg_store_count(body->change->store).seconds;
   body->change->is_running = true;
   LITHE_TRY(lth_body_change_inherit(ctx, body));
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));
@@ -123,7 +182,11 @@ static LitheStatus renew_body(LitheCtx *ctx, LthWorld *world, LthBody *body, Lth
   LITHE_TRY_OR(done, lth_body_build_space(ctx, body));
   LITHE_TRY_OR(done, inherit_material(ctx, body, r));
   LITHE_TRY_OR(done, lth_body_build_conditions(ctx, body));
-  lth_world_cost_add(world, LTH_COST_INTEGRATION);
+  lth_world_cost_add(world, LTH_COST_LISTS);
+  lth_world_cost_move(world, LTH_COST_LISTS, LTH_COST_INTEGRATION,
+                      lth_dg_store_count(body->change->store).seconds - integrated);
+  LITHE_TRY_OR(done, lth_body_keep_matrix(ctx, body));
+  lth_world_cost_add(world, LTH_COST_ASSEMBLY);
   LITHE_TRY_OR(done, lth_build_embedding(ctx, body));
   lth_world_cost_add(world, LTH_COST_EMBEDDING);
   LITHE_TRY_OR(done, lth_build_contact(ctx, body));
@@ -143,7 +206,7 @@ done:
 typedef struct Move {
   const LthWorld *world;
   const LthSystem *from;
-  const LthRenewal *renewals; ///< (n_bodies); no atoms' cells: the body is what it was
+  const LthRenewal *renewals; ///< (n_bodies); `same` NULL: the body is what it was
 } Move;
 
 static LitheStatus move_field(LitheCtx *ctx, const void *self, const double *from, double *to) {
@@ -153,15 +216,18 @@ static LitheStatus move_field(LitheCtx *ctx, const void *self, const double *fro
     const LthBody *body = m->world->bodies[b];
     const double *x = from + m->from->dof_first[b];
     double *y = to + m->world->system->dof_first[b];
-    if (!r->from_cell) {
+    if (!r->same) {
       memcpy(y, x, sizeof *y * (size_t)body->disc->n_dofs);
       continue;
     }
     LthDgTransfer transfer = {.from = r->old.space,
                               .to = body->space,
                               .atoms = lth_renewal_atoms(r, body),
+                              .n_atoms = r->n_atoms,
                               .from_cell = r->from_cell,
-                              .to_cell = r->to_cell};
+                              .to_cell = r->to_cell,
+                              .atom = r->atom,
+                              .same = r->same};
     LITHE_TRY(lth_dg_transfer(ctx, &transfer, x, y));
   }
   return LITHE_OK;
@@ -262,6 +328,7 @@ LitheStatus lth_world_renew(LitheCtx *ctx, LthWorld *world) {
   measure(ctx, world, 0);
   lth_world_cost_add(world, LTH_COST_MEASURE);
   lth_world_take(world, renewals, &old);
+  lth_simulation_free_solvers(ctx, old.sim); // the new matrix takes its place
   LITHE_TRY_OR(done, rebuild(ctx, world, &old, renewals));
   measure(ctx, world, 1);
   LITHE_TRY_OR(done, lth_world_settle_notes(ctx, world));
@@ -272,5 +339,6 @@ done:
   lth_world_free_taken(ctx, &old);
   for (LitheIndex b = 0; b < world->n_bodies; b++) lth_renewal_free(ctx, renewals + b);
   lth_free(ctx, renewals);
+  lth_age_spares(ctx);
   return status == LITHE_OK ? settle_stores(ctx, world) : status;
 }

@@ -11,8 +11,12 @@
 typedef struct LthRenewal {
   LthBody old;                     ///< parts and mesh; old.def NULL: the body is what it was
   const LthMesh *first;            ///< mesh that is not freed
-  LthMesh *atoms;                  ///< NULL: the body's mesh
+  LthMesh *atoms;                  ///< births before merges; NULL: the body's mesh
+  LitheIndex *same;                ///< by cell: the old one that it is, -1: it is made of atoms
   LitheIndex *from_cell, *to_cell; ///< of each atom; to_cell -1: taken away
+  LitheIndex *atom;                ///< cell of `atoms` that it is, -1: its old cell
+  LitheIndex n_atoms;
+  LitheCount cap_from, cap_to, cap_atom;
 
   // what served the pairs
   LthSurface *touch;

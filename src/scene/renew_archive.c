@@ -48,6 +48,7 @@ static LitheStatus read_body(LitheCtx *ctx, LthArchive *a, LthBody *body, LthRen
   LitheIndex *cell_record = NULL, *face_record = NULL;
   LitheStatus status = LITHE_OK;
   body->change->is_running = true;
+  lth_dg_kept_destroy(ctx, &body->change->kept); // its records are those of before
   walk_topology(a, body->change);
   LITHE_TRY(a->status);
   LITHE_TRY_OR(done, lth_body_present_mesh(ctx, body, &mesh, &cell_record, &face_record));

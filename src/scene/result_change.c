@@ -3,14 +3,12 @@
 #include "scene/result.h"
 
 static void put_cost(LthJson *json, const double *seconds) {
-  static const char *const parts[LTH_COST_COUNT] = {
-      "geometry", "mesh",     "surface", "integration", "embedding", "contact",
-      "system",   "transfer", "measure", "output",      "solver"};
   double sum = 0;
   for (int i = 0; i < LTH_COST_COUNT; i++) sum += seconds[i];
   if (sum == 0) return; // before the first step everything is made for the first time
-  lth_json_begin_object(json, "seconds");
-  for (int i = 0; i < LTH_COST_COUNT; i++) lth_json_number(json, parts[i], seconds[i]);
+  lth_json_begin_object(json, "processor_seconds");
+  for (int i = 0; i < LTH_COST_COUNT; i++)
+    lth_json_number(json, lth_cost_name((LthCostPart)i), seconds[i]);
   lth_json_end_object(json);
 }
 

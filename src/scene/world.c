@@ -154,6 +154,8 @@ LitheStatus lth_world_create_simulation(LitheCtx *ctx, LthWorld *w) {
 LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times,
                              LthWorld **world) {
   double start = lth_now();
+  if (scene->n_cuts > 0 || scene->adapt_h.is_on || scene->adapt_p.is_on)
+    lth_keep_spares(ctx, true); // for renewals
   LITHE_TRY(lth_world_create_meshes(ctx, scene, world));
   LthWorld *w = *world;
   times[0] = lth_now() - start;
@@ -165,6 +167,7 @@ LitheStatus lth_world_create(LitheCtx *ctx, const LthScene *scene, double *times
   LITHE_TRY(lth_world_create_simulation(ctx, w));
   for (LitheIndex b = 0; b < w->n_bodies; b++) LITHE_TRY(lth_build_initial(ctx, w->bodies[b]));
   LITHE_TRY(lth_adapt_begin(ctx, w));
+  for (int i = 0; i < 2; i++) lth_age_spares(ctx); // none is kept of what making it took
   times[1] = lth_now() - start - times[0];
   return lth_world_settle_notes(ctx, w);
 }
@@ -183,4 +186,5 @@ void lth_world_destroy(LitheCtx *ctx, LthWorld **world) {
   lth_free(ctx, w->notes);
   lth_free(ctx, w);
   *world = NULL;
+  lth_keep_spares(ctx, false);
 }

@@ -29,19 +29,21 @@ typedef enum LthChangeKind {
   LTH_CHANGE_ADAPT
 } LthChangeKind;
 
-/// Parts of what a change costs.
+/// Parts of what a change costs, in seconds of the processor.
 typedef enum LthCostPart {
   LTH_COST_GEOMETRY,    ///< operations on the topology
   LTH_COST_MESH,        ///< the mesh of all cells, and what old and new ones have in common
   LTH_COST_SURFACE,     ///< the embedded surface cut
-  LTH_COST_INTEGRATION, ///< bases, face tables, matrices of elements, constraints, loads
-  LTH_COST_EMBEDDING,   ///< of the surface
-  LTH_COST_CONTACT,     ///< with colliders, and of bodies and parts
-  LTH_COST_SYSTEM,      ///< vectors and the pattern of the matrix
-  LTH_COST_TRANSFER,    ///< of the state and of what contacts remember
-  LTH_COST_MEASURE,     ///< energies before and after, figures of the mesh
-  LTH_COST_OUTPUT,      ///< observers
-  LTH_COST_SOLVER,      ///< preconditioners and factors made anew in the next step
+  LTH_COST_LISTS,       ///< of elements and faces: spaces, operators, constraints, loads
+  LTH_COST_INTEGRATION, ///< of bases, face tables, matrices of elements
+  LTH_COST_ASSEMBLY, ///< of rows of the stiffness that is kept; corotated bodies have it in every step
+  LTH_COST_EMBEDDING, ///< of the surface
+  LTH_COST_CONTACT,   ///< with colliders, and of bodies and parts
+  LTH_COST_SYSTEM,    ///< vectors and the pattern of the matrix
+  LTH_COST_TRANSFER,  ///< of the state and of what contacts remember
+  LTH_COST_MEASURE,   ///< energies before and after, figures of the mesh
+  LTH_COST_OUTPUT,    ///< observers
+  LTH_COST_SOLVER,    ///< preconditioners and factors made anew in the next step
   LTH_COST_COUNT
 } LthCostPart;
 
@@ -67,7 +69,7 @@ typedef struct LthChangeNote {
   LitheCount unknowns;            ///< after it
   LitheIndex pieces;              ///< parts of the body that do not hang together, after it
   double strain[2], kinetic[2];   ///< of all bodies before and after [J]; 0 before the first solve
-  double seconds[LTH_COST_COUNT]; ///< of all changes of that time together
+  double seconds[LTH_COST_COUNT]; ///< of the processor, of all changes of that time together
 } LthChangeNote;
 
 typedef struct LthWorld {

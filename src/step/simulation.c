@@ -79,25 +79,31 @@ done:
   return status;
 }
 
-void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
-  if (!sim || !*sim) return;
-  LthSimulation *s = *sim;
-  lth_step_vectors_free(ctx, s);
-  double *blocks[] = {s->extra, s->cm,   s->ck,    s->levels_x, s->touch_first,
-                      s->rate,  s->best, s->start, s->f_before};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
-  lth_block_matrix_destroy(ctx, &s->touch);
-  lth_stage_free(ctx, &s->stage);
-  lth_rigid_free(ctx, &s->rigid);
-  lth_anderson_destroy(ctx, &s->anderson);
-  lth_newton_free(ctx, s->newton);
+void lth_simulation_free_solvers(LitheCtx *ctx, LthSimulation *s) {
   lth_step_volume_free(ctx, s->volume);
+  s->volume = NULL;
+  lth_free(ctx, s->touch_first);
+  s->touch_first = NULL;
+  lth_block_matrix_destroy(ctx, &s->touch);
   lth_cg_destroy(ctx, &s->cg);
   lth_reduction_destroy(ctx, &s->reduction);
   lth_multilevel_destroy(ctx, &s->levels);
   lth_block_jacobi_destroy(ctx, &s->jacobi);
   if (s->engine) s->engine->destroy(ctx, &s->factor);
   lth_block_matrix_destroy(ctx, &s->A);
+}
+
+void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
+  if (!sim || !*sim) return;
+  LthSimulation *s = *sim;
+  lth_step_vectors_free(ctx, s);
+  double *blocks[] = {s->extra, s->cm, s->ck, s->levels_x, s->rate, s->best, s->start, s->f_before};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  lth_stage_free(ctx, &s->stage);
+  lth_rigid_free(ctx, &s->rigid);
+  lth_anderson_destroy(ctx, &s->anderson);
+  lth_newton_free(ctx, s->newton);
+  lth_simulation_free_solvers(ctx, s);
   lth_free(ctx, s);
   *sim = NULL;
 }

@@ -65,6 +65,7 @@ typedef struct LthStepReport {
   LitheIndex contacts;
   double penetration;                            ///< [m]
   double time_assemble, time_factor, time_solve; ///< [s] in total
+  double processor_factor;                       ///< as time_factor, of the processor
 } LthStepReport;
 
 typedef struct LthSimulation LthSimulation;
@@ -74,6 +75,9 @@ typedef struct LthSimulation LthSimulation;
 LitheStatus lth_simulation_create(LitheCtx *ctx, LthSystem *system, const LthStepOptions *options,
                                   LthSimulation **sim);
 void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim);
+
+/// Free matrix, factors and preconditioners: a simulation whose fields another takes over makes no more steps.
+void lth_simulation_free_solvers(LitheCtx *ctx, LthSimulation *sim);
 
 /// Coefficients of all bodies, in the order of the system: position, velocity (n each), lent until the next
 /// call. Writable by owners that set an initial state. The velocity may be NULL where equilibria alone are asked for: it is zero.

@@ -245,10 +245,11 @@ static LitheStatus make_or_fall_back(LitheCtx *ctx, LthSimulation *s, double h) 
 }
 
 LitheStatus lth_step_factor(LitheCtx *ctx, LthSimulation *s) {
-  double start = lth_now();
+  double start = lth_now(), used = lth_processor_time();
   s->stale = true;
   LitheStatus status = make(ctx, s, 0);
   s->report.time_factor += lth_now() - start;
+  s->report.processor_factor += lth_processor_time() - used;
   return status;
 }
 
@@ -266,10 +267,11 @@ void lth_step_date_factor(LthSimulation *s, double h) {
 }
 
 LitheStatus lth_step_factor_lagged(LitheCtx *ctx, LthSimulation *s, double h) {
-  double start = lth_now();
+  double start = lth_now(), used = lth_processor_time();
   bool keep = lags(s) && !s->stale && s->factor_step == h;
   LitheStatus status = keep ? lth_step_refresh(ctx, s) : make_or_fall_back(ctx, s, h);
   s->report.time_factor += lth_now() - start;
+  s->report.processor_factor += lth_processor_time() - used;
   if (status != LITHE_OK || keep) return status;
   s->stale = true;
   if (!lags(s)) return LITHE_OK;

@@ -73,7 +73,7 @@ def contents(out):
             for key in ("time", "memory", "threads"):
                 del result[key]
             for note in result.get("topology", []):
-                note.pop("seconds", None)
+                note.pop("processor_seconds", None)
             data = json.dumps(result).encode()
         files[name] = data
     return files

@@ -184,7 +184,7 @@ MUTANTS = {
         ("translation of polynomials", "disc/dg/dg_transfer.c", "lth_m3_mul(axes, inverse, ratio);", "lth_m3_mul(axes, inverse, ratio), ratio[0] *= 1.1;"),
         ("projection onto a merged cell", "disc/dg/dg_transfer.c", "p.out[i] /= p.volume;", "p.out[i] /= 1.1 * p.volume;"),
         ("change of basis", "disc/dg/dg_transfer.c", "sum -= out[3 * j + d] * C[j * m + i];", "sum -= 1.1 * out[3 * j + d] * C[j * m + i];"),
-        ("cell of an atom", "scene/renew.c", "LitheIndex before = lth_topology_before(t, record[i]), now", "LitheIndex before = lth_topology_before(t, record[r->atoms ? 0 : i]), now"),
+        ("cell of an atom", "scene/renew.c", "LitheIndex before = lth_topology_before(t, c->atom_record[i]);", "LitheIndex before = lth_topology_before(t, c->atom_record[0]);"),
         ("density of merged cells", "scene/renew.c", "share * (r->old.density[from] - body->density[to]);", "(r->old.density[from] - body->density[to]);"),
         ("stiffness of merged cells", "scene/renew.c", "share * (r->old.young[from] - body->young[to]);", "(r->old.young[from] - body->young[to]);"),
     ],

@@ -8,9 +8,14 @@
 typedef struct DgDisc {
   LthDisc disc;
   LthDgDiscDef def;
+  LitheCtx *ctx;
+  LitheCount *at; ///< of the last matrix' blocks in def.kept, or NULL
 } DgDisc;
 
-static const LthDgDiscDef *def_of(const LthDisc *disc) { return disc->self; }
+static const LthDgDiscDef *def_of(const LthDisc *disc) {
+  const DgDisc *d = disc->self;
+  return &d->def;
+}
 
 static int list_funcs(const LthDgSpace *space, LitheIndex cell, LitheIndex *func) {
   int n = lth_dg_funcs(space, cell);
@@ -58,7 +63,14 @@ static LitheStatus project(LitheCtx *ctx, const LthDisc *disc,
 }
 
 static LitheStatus matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K) {
-  return lth_dg_pattern_create(ctx, disc->mesh, def_of(disc)->space->func_off, K);
+  DgDisc *d = disc->self;
+  LITHE_TRY(lth_dg_pattern_create(ctx, disc->mesh, d->def.space->func_off, K));
+  if (!d->def.kept) return LITHE_OK;
+  lth_free(ctx, d->at);
+  d->at = NULL;
+  LTH_NEW(ctx, d->at, (*K)->block_off[(*K)->n_rows]);
+  lth_dg_kept_find(d->def.kept, d->def.cell_record, *K, d->at);
+  return LITHE_OK;
 }
 
 static void update_rotations(LthDisc *disc, const double *x) {
@@ -69,7 +81,13 @@ static void update_rotations(LthDisc *disc, const double *x) {
 }
 
 static void assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0) {
-  lth_dg_assemble(def_of(disc)->op, t, K, f0);
+  const DgDisc *d = disc->self;
+  if (!d->at) {
+    lth_dg_assemble(d->def.op, t, K, f0);
+    return;
+  }
+  lth_dg_kept_copy(d->ctx, d->def.kept, d->at, K);
+  lth_dg_assemble_load(d->def.op, t, f0);
 }
 
 static void assemble_load(LthDisc *disc, double t, double *f0) {
@@ -127,8 +145,11 @@ static void stress(const LthDisc *disc, LitheIndex cell, const double *x, const 
   lth_dg_stress(def_of(disc)->op, cell, x, at, stress);
 }
 
-/// `disc` is a DgDisc's first member.
-static void destroy(LitheCtx *ctx, LthDisc *disc) { lth_free(ctx, disc); }
+static void destroy(LitheCtx *ctx, LthDisc *disc) {
+  DgDisc *d = disc->self;
+  lth_free(ctx, d->at);
+  lth_free(ctx, d);
+}
 
 static const LthDiscTable table = {
     .name = "dg",
@@ -158,6 +179,7 @@ LitheStatus lth_dg_disc_create(LitheCtx *ctx, const LthDgDiscDef *def, LthDisc *
   *disc = NULL;
   LTH_NEW(ctx, d, 1);
   d->def = *def;
+  d->ctx = ctx;
   d->disc = (LthDisc){.table = &table,
                       .mesh = def->space->mesh,
                       .n_cells = def->space->n_cells,
@@ -168,7 +190,7 @@ LitheStatus lth_dg_disc_create(LitheCtx *ctx, const LthDgDiscDef *def, LthDisc *
                       .cell_degree = def->space->degree,
                       .n_weak = def->n_weak,
                       .weak = def->weak,
-                      .self = &d->def};
+                      .self = d};
   *disc = &d->disc;
   return LITHE_OK;
 }

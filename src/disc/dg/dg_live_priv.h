@@ -44,6 +44,8 @@ LitheStatus lth_dg_live_rows_close(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex r
 LthDgLiveBlock *lth_dg_live_rows_find(const LthDgLiveRows *m, LitheIndex row, LitheIndex col);
 /// Add a block of two open rows that is not there.
 LitheStatus lth_dg_live_rows_add(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, LitheIndex col);
+/// A block of two open rows, of the size that their functions ask for now: the one that is there, or a stale one.
+LitheStatus lth_dg_live_rows_fit(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, LitheIndex col);
 /// Take blocks that were not seen out of a row; the diagonal stays.
 LitheStatus lth_dg_live_rows_drop(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, uint32_t seen);
 /// Memory for all blocks that were added.

@@ -46,6 +46,19 @@ LitheStatus lth_dg_live_rows_add(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row
   return LITHE_OK;
 }
 
+LitheStatus lth_dg_live_rows_fit(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, LitheIndex col) {
+  LthDgLiveBlock *block = lth_dg_live_rows_find(m, row, col);
+  LitheIndex size = 9 * m->rows[row].nb * m->rows[col].nb;
+  if (!block) return lth_dg_live_rows_add(ctx, m, row, col);
+  if (block->size == size) return LITHE_OK;
+  LITHE_TRY(lth_rooms_give(ctx, &m->value_rooms, block->at, block->size));
+  block->at = lth_rooms_take(&m->value_rooms, size);
+  block->size = size;
+  block->is_stale = true;
+  m->revision++;
+  return LITHE_OK;
+}
+
 LitheStatus lth_dg_live_rows_open(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex record,
                                   LitheIndex nb) {
   LTH_RESERVE(ctx, m->rows, m->rows_cap, (LitheCount)record + 1);
@@ -65,7 +78,7 @@ LitheStatus lth_dg_live_rows_close(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex r
   }
   LITHE_TRY(lth_rooms_give(ctx, &m->block_rooms, r->first, r->room));
   LITHE_TRY(lth_rooms_give(ctx, &m->func_rooms, r->func, r->nb));
-  memset(m->load + 3 * (size_t)r->func, 0, 3 * sizeof(double) * (size_t)r->nb);
+  if (m->load) memset(m->load + 3 * (size_t)r->func, 0, 3 * sizeof(double) * (size_t)r->nb);
   *r = (LthDgLiveRow){0};
   m->revision++;
   return LITHE_OK;

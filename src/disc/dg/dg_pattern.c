@@ -34,7 +34,7 @@ LitheStatus lth_dg_pattern_create(LitheCtx *ctx, const LthMesh *mesh, const Lith
     block_off[c + 1] = block_off[c] + kept;
     row_off[c + 1] = 3 * (LitheCount)func_off[c + 1];
   }
-  LITHE_TRY_OR(done, lth_block_matrix_create(ctx, n, row_off, block_off, col, K));
+  LITHE_TRY_OR(done, lth_block_matrix_create_rough(ctx, n, row_off, block_off, col, K));
 
 done:
   lth_free(ctx, list);

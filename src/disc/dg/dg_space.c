@@ -103,7 +103,9 @@ LitheStatus lth_dg_space_create_kept(LitheCtx *ctx, const LthMesh *mesh, int deg
   } else {
     LITHE_TRY_OR(done, place_bases(ctx, s));
   }
+  double start = lth_processor_time();
   LITHE_TRY_OR(done, build_bases(ctx, s, is_known));
+  if (records) records->store->count.seconds += lth_processor_time() - start;
   if (records) lth_dg_store_keep_bases(records, s, is_known);
   *space = s;
   s = NULL;

@@ -34,6 +34,7 @@ void lth_dg_store_archive(LthDgStore *store, LthArchive *archive);
 /// What was integrated since the store was made.
 typedef struct LthDgStoreCount {
   LitheCount bases, faces, matrices;
+  double seconds; ///< of the processor, for these
 } LthDgStoreCount;
 
 LthDgStoreCount lth_dg_store_count(const LthDgStore *store);

@@ -106,9 +106,11 @@ static LitheStatus project(LitheCtx *ctx, const LthDgTransfer *t, LitheIndex cel
   memset(p.out, 0, 3 * sizeof(double) * (size_t)nb);
   for (LitheIndex i = 0; i < n; i++) {
     LthSimplexRule rule;
+    LitheIndex at = t->atom ? t->atom[atom[i]] : atom[i];
     p.from_cell = t->from_cell[atom[i]];
     LITHE_TRY(lth_simplex_rule(ctx, 3, t->to->degree[cell] + t->from->degree[p.from_cell], &rule));
-    lth_dg_visit_cell(&rule, t->atoms, atom[i], add_to_projection, &p);
+    lth_dg_visit_cell(&rule, at < 0 ? t->from->mesh : t->atoms, at < 0 ? p.from_cell : at,
+                      add_to_projection, &p);
   }
   for (int i = 0; i < 3 * nb; i++) p.out[i] /= p.volume;
   return LITHE_OK;
@@ -117,7 +119,11 @@ static LitheStatus project(LitheCtx *ctx, const LthDgTransfer *t, LitheIndex cel
 static LitheStatus transfer_cell(LitheCtx *ctx, const LthDgTransfer *t, LitheIndex cell,
                                  const LitheIndex *atom, LitheIndex n, const double *coef,
                                  double *out) {
-  LitheIndex from = n > 0 ? t->from_cell[atom[0]] : -1;
+  LitheIndex from = n > 0 ? t->from_cell[atom[0]] : -1, same = t->same ? t->same[cell] : -1;
+  if (same >= 0)
+    memcpy(out + 3 * (LitheCount)t->to->func_off[cell],
+           coef + 3 * (LitheCount)t->from->func_off[same],
+           3 * sizeof *out * (size_t)lth_dg_funcs(t->to, cell));
   if (n == 0) return LITHE_OK;
   if (n > 1 || t->from->degree[from] > t->to->degree[cell])
     return project(ctx, t, cell, atom, n, coef, out);
@@ -129,7 +135,7 @@ static LitheStatus transfer_cell(LitheCtx *ctx, const LthDgTransfer *t, LitheInd
 LitheStatus lth_dg_transfer(LitheCtx *ctx, const LthDgTransfer *t, const double *coef,
                             double *out) {
   LitheStatus status = LITHE_OK;
-  LitheIndex *off = NULL, *atom = NULL, n = t->atoms->n_cells, n_cells = t->to->n_cells;
+  LitheIndex *off = NULL, *atom = NULL, n = t->n_atoms, n_cells = t->to->n_cells;
   LTH_NEW_OR(done, ctx, off, (LitheCount)n_cells + 2);
   LTH_NEW_OR(done, ctx, atom, n);
   for (LitheIndex i = 0; i < n; i++)

@@ -10,13 +10,19 @@
 void lth_dg_translate(const LthDgSpace *from, LitheIndex from_cell, const double *coef,
                       const LthDgSpace *to, LitheIndex to_cell, double *out);
 
-/// A change of elements as the pieces that old and new ones have in common: cells of `atoms`, each a part (or the
-/// whole) of one old cell and of one new one. After splits the atoms are the new cells, before merges the old ones.
+/// A change of elements as the pieces that old and new ones have in common: atoms, each a part (or the whole) of one old cell
+/// and of one new one. After splits the atoms are the new cells, before merges the old ones. Cells that are what they were need
+/// none.
 typedef struct LthDgTransfer {
   const LthDgSpace *from, *to;
   const LthMesh *atoms;
-  const LitheIndex *from_cell; ///< old cell of an atom                     (atoms->n_cells)
+  LitheIndex n_atoms;
+  const LitheIndex *from_cell; ///< old cell of an atom                     (n_atoms)
   const LitheIndex *to_cell;   ///< new cell of an atom, -1: taken away; those of a new cell fill it
+  const LitheIndex
+      *atom; ///< cell of `atoms` that it is, -1: its old cell; NULL: of the same number
+  const LitheIndex
+      *same; ///< by new cell: the old cell, of the same basis, that it is, -1: another; NULL: all
 } LthDgTransfer;
 
 /// Transfer a field: coefficients `coef` of the old space to `out` of the new. A new cell with one atom whose degree is

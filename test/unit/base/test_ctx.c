@@ -39,6 +39,28 @@ static void refuses_sizes_that_overflow(void **state) {
   lithe_ctx_destroy(&ctx);
 }
 
+// What is freed is given out again, also a little larger and all zero; afterwards nothing is held.
+static void gives_spare_blocks_out_again(void **state) {
+  (void)state;
+  LitheCtx *ctx = test_ctx();
+  const LitheCount n = 100000;
+  lth_keep_spares(ctx, true);
+  double *first = lth_alloc(ctx, n, sizeof *first);
+  for (LitheCount i = 0; i < n; i++) first[i] = 1;
+  lth_free(ctx, first);
+  assert_int_equal(lth_alloc_bytes(ctx), 0);
+  double *again = lth_alloc(ctx, n + n / 10, sizeof *again);
+  assert_ptr_equal(again, first);
+  for (LitheCount i = 0; i < n + n / 10; i++) assert_true(again[i] == 0);
+  double *other = lth_alloc(ctx, n, sizeof *other);
+  assert_ptr_not_equal(other, again);
+  lth_free(ctx, other);
+  lth_keep_spares(ctx, false);
+  lth_free(ctx, again);
+  assert_int_equal(lth_alloc_bytes(ctx), 0);
+  lithe_ctx_destroy(&ctx);
+}
+
 static void keeps_contents_when_growing(void **state) {
   (void)state;
   LitheCtx *ctx = test_ctx();
@@ -78,6 +100,7 @@ int main(void) {
       cmocka_unit_test(counts_allocations_and_bytes),
       cmocka_unit_test(remembers_the_most_that_was_held),
       cmocka_unit_test(refuses_sizes_that_overflow),
+      cmocka_unit_test(gives_spare_blocks_out_again),
       cmocka_unit_test(keeps_contents_when_growing),
       cmocka_unit_test(keeps_equal_warnings_once),
       cmocka_unit_test(statuses_have_texts_and_exit_codes),

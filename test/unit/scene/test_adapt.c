@@ -171,6 +171,28 @@ static void what_new_functions_release_is_held_back(void **state) {
   end(&run);
 }
 
+/// Nothing is stressed enough to be divided, and nothing was: mesh, system and pattern, and with it the symbolic analysis, stay.
+static void a_look_that_changes_nothing_renews_nothing(void **state) {
+  (void)state;
+  Run run = begin("1", "0, 0, 0", "principal-stress");
+  const LthSimulation *sim = run.world->sim;
+  const LthMesh *mesh = run.body->mesh;
+  const uint64_t pattern = lth_simulation_matrix(sim)->pattern_revision;
+  bool changed = true;
+  for (int i = 0; i < 3; i++) {
+    CHECK_OK(run.ctx, lth_adapt_before_step(run.ctx, run.world));
+    CHECK_OK(run.ctx, lth_simulation_step(run.ctx, run.world->sim, 0.001));
+    CHECK_OK(run.ctx, lth_adapt_look(run.ctx, run.world, 0.001, 0, &changed));
+    assert_false(changed);
+  }
+  assert_true(run.world->adapt->n_looks > 0);
+  assert_int_equal(run.world->n_renewals, 0);
+  assert_ptr_equal(run.world->sim, sim);
+  assert_ptr_equal(run.body->mesh, mesh);
+  assert_true(lth_simulation_matrix(sim)->pattern_revision == pattern);
+  end(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(stress_is_the_largest_and_its_plane_that_at_rest),
@@ -178,6 +200,7 @@ int main(void) {
       cmocka_unit_test(error_is_an_element_s_over_its_share),
       cmocka_unit_test(families_merge_by_what_the_whole_is_foreseen_to_have),
       cmocka_unit_test(what_new_functions_release_is_held_back),
+      cmocka_unit_test(a_look_that_changes_nothing_renews_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

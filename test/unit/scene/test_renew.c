@@ -124,6 +124,7 @@ static void nothing_moves_when_a_body_is_cut(void **state) {
   const LthChangeNote *note = run.world->notes;
   assert_int_equal(run.world->n_notes, 2);
   assert_true(note[1].pieces >= 4);
+  assert_int_equal(run.world->n_renewals, 1); // two cuts at one time, followed once
   CHECK_NEAR(note[1].kinetic[0], note[1].kinetic[1], 1e-13 * note[1].kinetic[0]);
   CHECK_NEAR(note[1].strain[1], note[1].strain[0], 0.3 * note[1].strain[0]);
   CHECK_NEAR(note[1].volume, lth_body_volume(run.world->bodies[0]), 1e-15);
@@ -261,8 +262,10 @@ static void a_cut_that_misses_changes_nothing(void **state) {
   const LthSimulation *sim = run.world->sim;
   const LthMesh *mesh = run.world->bodies[0]->mesh;
   steps(&run, 5);
+  const uint64_t pattern = lth_simulation_matrix(sim)->pattern_revision;
   CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 0.055, &changed));
   assert_false(changed);
+  assert_true(lth_simulation_matrix(sim)->pattern_revision == pattern); // nor is it analysed again
   assert_ptr_equal(run.world->sim, sim);
   assert_ptr_equal(run.world->bodies[0]->mesh, mesh);
   assert_int_equal(run.world->n_notes, 1);
@@ -272,12 +275,121 @@ static void a_cut_that_misses_changes_nothing(void **state) {
   end(&run);
 }
 
+#define HANGING                                                                                    \
+  "lithe: 1\n"                                                                                     \
+  "bodies:\n"                                                                                      \
+  "  - name: bar\n"                                                                                \
+  "    shape: {box: {min: [0, 0, 0], max: [8, 1, 1]}}\n"                                           \
+  "    material: {model: linear, young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}\n"         \
+  "    method: {kind: dg, mesh: hexahedra, cells: [24, 3, 3], degree: 1, flux: ip}\n"              \
+  "    constraints: [{where: {plane: {point: [0.01, 0, 0], normal: [1, 0, 0]}}, displacement: "    \
+  "[0, 0, 0]}]\n"                                                                                  \
+  "    loads: [{body_force: [0, -10, 0]}]\n"                                                       \
+  "gravity: [0, 0, 0]\n"                                                                           \
+  "cuts: [{at: 0.5, plane: {point: [7.1, 0, 0], normal: [1, 0.2, 0]}, within: {box: {min: [6, "    \
+  "0.7, -1], max: [8, 2, 2]}}, space: rest}]\n"                                                    \
+  "time: {kind: quasistatic, steps: 2, duration: 1}\n"                                             \
+  "solver: {linear: pcg, tolerance: 1e-6, newton: {tolerance: 1e-6}}\n"
+
+/// Iterations to the equilibrium of a bar that hangs, one element of which is divided (`is_cut`: which is cut into near the end):
+/// from the solution of before, or from rest.
+static LitheIndex solve_changed(bool is_cut, bool from_rest, double *energy) {
+  Run run = begin_with(HANGING, 0, NULL);
+  LthBody *body = run.world->bodies[0];
+  LthSplit split;
+  bool changed;
+  if (!from_rest) CHECK_OK(run.ctx, lth_simulation_equilibrium(run.ctx, run.world->sim, 0.5));
+  if (is_cut) {
+    CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 1, &changed));
+    assert_true(changed);
+  } else {
+    LthPlane plane = {{0, 0, 0}, {0.3, 1, 0.2}};
+    lth_v3_copy(body->change->topology->cells[40].centroid, plane.point);
+    CHECK_OK(run.ctx, lth_topology_split(run.ctx, body->change->topology, 40, &plane, -1, &split));
+    assert_int_equal(split.n, 2);
+    CHECK_OK(run.ctx, lth_world_renew(run.ctx, run.world));
+  }
+  LitheIndex before = lth_simulation_report(run.world->sim)->linear_total;
+  CHECK_OK(run.ctx, lth_simulation_equilibrium(run.ctx, run.world->sim, 1));
+  lth_simulation_measure(run.ctx, run.world->sim);
+  const LthStepReport *report = lth_simulation_report(run.world->sim);
+  LitheIndex n = report->linear_total - before;
+  assert_true(report->converged);
+  *energy = report->strain_energy;
+  end(&run);
+  return n;
+}
+
+static void a_solve_after_a_change_starts_from_the_solution_before(void **state) {
+  (void)state;
+  for (int is_cut = 0; is_cut < 2; is_cut++) {
+    double energy[2];
+    LitheIndex warm = solve_changed(is_cut, false, energy),
+               cold = solve_changed(is_cut, true, energy + 1);
+    printf("%d iterations after a %s, %d from rest\n", warm, is_cut ? "cut" : "division", cold);
+    if (is_cut)
+      assert_true(warm < cold);
+    else
+      CHECK_AT_MOST(4 * warm, 3 * cold);
+    CHECK_NEAR(energy[0], energy[1], 1e-5 * energy[1]);
+  }
+}
+
+/// A body that flies on as it is: its velocity solves the step after a cut, and conjugate gradients that begin with it have nothing
+/// to do.
+static void a_step_after_a_cut_starts_from_the_velocity_before(void **state) {
+  (void)state;
+  const char *overrides[] = {"gravity=[0, 0, 0]", "bodies.0.initial.velocity=[1, 0, 0]",
+                             "bodies.1.initial={velocity: [1, 0, 0]}", "solver={linear: pcg}"};
+  Run run = begin_with(SCENE, 4, overrides);
+  bool changed;
+  steps(&run, 5);
+  CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 0.055, &changed));
+  assert_true(changed);
+  LitheIndex before = lth_simulation_report(run.world->sim)->linear_total;
+  steps(&run, 1);
+  CHECK_AT_MOST(lth_simulation_report(run.world->sim)->linear_total - before, 1);
+  end(&run);
+}
+
+/// The matrix that a linear body has after a cut is that of its operator to the bit, and only what the cut touched was written.
+static void a_linear_body_keeps_its_matrix(void **state) {
+  (void)state;
+  const char *overrides[] = {"bodies.0.material.model=linear", "cuts.1.at=0.07"};
+  Run run = begin_with(SCENE, 2, overrides);
+  LthBody *body = run.world->bodies[0];
+  bool changed;
+  steps(&run, 5);
+  assert_null(run.world->bodies[1]->change);
+  for (int cut = 0; cut < 2; cut++) {
+    LthBlockMatrix *K = NULL, *whole = NULL;
+    double *f0 = NULL;
+    CHECK_OK(run.ctx, lth_world_cut_due(run.ctx, run.world, 0.055 + 0.02 * cut, &changed));
+    assert_true(changed);
+    CHECK_OK(run.ctx, lth_new_(run.ctx, (void **)&f0, body->disc->n_dofs, sizeof *f0));
+    CHECK_OK(run.ctx, body->disc->table->matrix_create(run.ctx, body->disc, &K));
+    CHECK_OK(run.ctx, lth_dg_matrix_create(run.ctx, body->op, &whole));
+    body->disc->table->assemble(body->disc, 0, K, f0);
+    lth_dg_assemble(body->op, 0, whole, f0);
+    assert_memory_equal(K->values, whole->values,
+                        sizeof(double) * (size_t)K->value_off[K->block_off[K->n_rows]]);
+    lth_block_matrix_destroy(run.ctx, &K);
+    lth_block_matrix_destroy(run.ctx, &whole);
+    lth_free(run.ctx, f0);
+  }
+  assert_int_equal(run.world->n_renewals, 2);
+  end(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nothing_moves_when_a_body_is_cut),
       cmocka_unit_test(kept_elements_keep_their_bits),
       cmocka_unit_test(splits_and_merges_in_one_turn_keep_momentum),
       cmocka_unit_test(a_cut_that_misses_changes_nothing),
+      cmocka_unit_test(a_solve_after_a_change_starts_from_the_solution_before),
+      cmocka_unit_test(a_step_after_a_cut_starts_from_the_velocity_before),
+      cmocka_unit_test(a_linear_body_keeps_its_matrix),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

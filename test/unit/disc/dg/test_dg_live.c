@@ -2,6 +2,7 @@
 #include "dg_body.h"
 #include "topology_ops.h"
 
+#include "disc/dg/dg_kept.h"
 #include "disc/dg/dg_live.h"
 #include "disc/dg/dg_transfer.h"
 #include "failing_memory.h"
@@ -412,6 +413,71 @@ static void operators_share_what_a_change_leaves_alone(void **state) {
   assert_true(kept > 100);
 }
 
+/// Blocks of rows that a change may touch.
+static LitheCount count_touched(const Whole *w, const uint8_t *untouched) {
+  LitheCount n = 0;
+  for (LitheIndex c = 0; c < w->mesh->n_cells; c++)
+    for (LitheCount e = w->K->block_off[c]; e < w->K->block_off[c + 1]; e++)
+      n += !untouched[w->cell[c]] || !untouched[w->cell[w->K->block_col[e]]];
+  return n;
+}
+
+/// Follow an operator; the values that are kept are those of an assembly, also for a second matrix. Returns what was written.
+static LitheCount follow(Case *c, LthDgKept *kept, LthDgStore *store, const Whole *w) {
+  LitheCtx *ctx = c->ctx;
+  LthDgRecords records = {store, w->cell, w->face, NULL};
+  LitheCount written, again, n = w->K->block_off[w->K->n_rows], *at = NULL;
+  LthBlockMatrix *K = NULL;
+  CHECK_OK(ctx, lth_dg_kept_follow(ctx, kept, c->t, &records, w->op, &written));
+  CHECK_OK(ctx, lth_dg_kept_follow(ctx, kept, c->t, &records, w->op, &again));
+  assert_int_equal(again, 0);
+  CHECK_OK(ctx, lth_dg_matrix_create(ctx, w->op, &K));
+  CHECK_OK(ctx, lth_new_(ctx, (void **)&at, n, sizeof *at));
+  lth_dg_kept_find(kept, w->cell, K, at);
+  lth_dg_kept_copy(ctx, kept, at, K);
+  assert_memory_equal(K->values, w->K->values, sizeof(double) * (size_t)K->value_off[n]);
+  lth_free(ctx, at);
+  lth_block_matrix_destroy(ctx, &K);
+  return written;
+}
+
+/// What is kept in place is the assembled matrix to the bit, and a change writes no more than what it touches.
+static void a_kept_stiffness_is_the_assembled_one_to_the_bit(void **state) {
+  (void)state;
+  LitheCount touched = 0, written = 0, all = 0;
+  for (int kind = 0; kind < 3; kind++) {
+    LitheCtx *ctx = test_ctx();
+    Case c = begin(topology_solid(ctx, kind), ctx, 0);
+    LthDgStore *store = NULL;
+    LthDgKept *kept = NULL;
+    CHECK_OK(ctx, lth_dg_store_create(ctx, &store));
+    CHECK_OK(ctx, lth_dg_kept_create(ctx, &kept));
+    Whole w = build(&c, LTH_FLUX_IP, store, store);
+    assert_int_equal(follow(&c, kept, store, &w), w.K->block_off[w.K->n_rows]);
+    for (int i = 0; i < 12; i++) {
+      random_change(&c, 40);
+      if (i % 4 == 3) c.degree[i / 4] = 3 - c.degree[i / 4]; // of all that is left of an element
+      uint8_t *untouched = lth_alloc(ctx, c.t->n_cells, sizeof *untouched);
+      for (LitheIndex k = 0; k < c.t->n_cells; k++)
+        untouched[k] = i % 4 != 3 && is_untouched(c.t, k);
+      free_whole(ctx, &w);
+      w = build(&c, LTH_FLUX_IP, store, store);
+      LitheCount now = follow(&c, kept, store, &w), most = count_touched(&w, untouched);
+      assert_true(now <= most);
+      written += now, touched += most, all += w.K->block_off[w.K->n_rows];
+      CHECK_OK(ctx, lth_dg_store_forget(ctx, store, c.t));
+      CHECK_OK(ctx, lth_dg_store_settle(ctx, store));
+      CHECK_OK(ctx, lth_topology_forget(ctx, c.t));
+      lth_free(ctx, untouched);
+    }
+    free_whole(ctx, &w);
+    lth_dg_kept_destroy(ctx, &kept);
+    lth_dg_store_destroy(ctx, &store);
+    end(&c);
+  }
+  assert_true(written > 100 && written <= touched && touched < all);
+}
+
 /// Another modulus, or another degree, is seen without a change of the topology.
 static void other_material_or_degree_is_integrated_anew(void **state) {
   (void)state;
@@ -504,7 +570,12 @@ static void transfer(Case *c, const Whole *from, const Whole *to, const double *
     from_cell[i] = lth_topology_before(c->t, to->cell[i]); // records are numbers of the first mesh
     to_cell[i] = i;
   }
-  LthDgTransfer t = {from->space, to->space, to->mesh, from_cell, to_cell};
+  LthDgTransfer t = {.from = from->space,
+                     .to = to->space,
+                     .atoms = to->mesh,
+                     .n_atoms = to->mesh->n_cells,
+                     .from_cell = from_cell,
+                     .to_cell = to_cell};
   CHECK_OK(c->ctx, lth_dg_transfer(c->ctx, &t, x, y));
   lth_free(c->ctx, from_cell);
   lth_free(c->ctx, to_cell);
@@ -598,6 +669,7 @@ int main(void) {
       cmocka_unit_test(live_matrix_is_that_from_scratch_and_keeps_untouched_entries),
       cmocka_unit_test(elements_of_degree_three_follow),
       cmocka_unit_test(operators_share_what_a_change_leaves_alone),
+      cmocka_unit_test(a_kept_stiffness_is_the_assembled_one_to_the_bit),
       cmocka_unit_test(other_material_or_degree_is_integrated_anew),
       cmocka_unit_test(the_cost_of_a_cut_is_that_of_the_touched),
       cmocka_unit_test(solvers_go_on_from_the_solution_of_before),

@@ -88,7 +88,12 @@ static void end_change(Change *c) {
 
 static double *transferred(const Change *c, const double *v) {
   double *out = lth_alloc(c->ctx, c->to->n_dofs, sizeof *out);
-  LthDgTransfer t = {c->from, c->to, c->atoms, c->from_cell, c->to_cell};
+  LthDgTransfer t = {.from = c->from,
+                     .to = c->to,
+                     .atoms = c->atoms,
+                     .n_atoms = c->atoms->n_cells,
+                     .from_cell = c->from_cell,
+                     .to_cell = c->to_cell};
   CHECK_OK(c->ctx, lth_dg_transfer(c->ctx, &t, v, out));
   return out;
 }
@@ -159,7 +164,12 @@ static void raising_the_degree_keeps_values_and_lowering_it_the_mean(void **stat
 
     // and down again: functions of the lower degree come back, those above are gone
     for (LitheCount i = 3 * c.from->n_funcs; i < c.to->n_dofs; i++) w[i] = test_random(&seed);
-    LthDgTransfer down = {c.to, c.from, c.atoms, c.to_cell, c.from_cell};
+    LthDgTransfer down = {.from = c.to,
+                          .to = c.from,
+                          .atoms = c.atoms,
+                          .n_atoms = c.atoms->n_cells,
+                          .from_cell = c.to_cell,
+                          .to_cell = c.from_cell};
     double *back = lth_alloc(ctx, c.from->n_dofs, sizeof *back);
     CHECK_OK(ctx, lth_dg_transfer(ctx, &down, w, back));
     for (LitheCount i = 0; i < c.from->n_dofs; i++) CHECK_NEAR(back[i], v[i], 1e-12);
