@@ -105,7 +105,7 @@ int main(int argc, char **argv) {
   for (int m = 0; m < 2; m++)
     for (int i = 0; i < (only > 0 ? 1 : 3); i++) {
       Row row = {0};
-      for (int run = 0; run < runs; run++)
+      for (int run = 0; run < (sizes[i] > 30 && runs > 2 ? 2 : runs); run++)
         time_run(ctx, models[m], only > 0 ? only : sizes[i], &row);
       print_row(models[m], &row, csv);
     }

@@ -73,13 +73,17 @@ static LitheStatus check_sizes(LitheCtx *ctx, const LthMeshDef *def) {
       def->n_points, def->n_faces, def->n_cells);
 }
 
-static LitheStatus copy_def(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
+static LitheStatus copy_lists(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
   LitheIndex n_loops = def->face_loop_off[def->n_faces];
   COPY(m->points, def->points, 3 * (LitheCount)def->n_points);
   COPY(m->face_loop_off, def->face_loop_off, def->n_faces + 1);
   COPY(m->loop_off, def->loop_off, n_loops + 1);
   COPY(m->loop_point, def->loop_point, def->loop_off[n_loops]);
   COPY(m->face_cell, def->face_cell, 2 * (LitheCount)def->n_faces);
+  return LITHE_OK;
+}
+
+static LitheStatus copy_rest(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
   LTH_NEW(ctx, m->point_rank, def->n_points);
   LTH_NEW(ctx, m->face_tag, def->n_faces);
   for (LitheIndex i = 0; i < def->n_points; i++)
@@ -150,9 +154,9 @@ static LitheStatus check_cell(LitheCtx *ctx, const LthMesh *m, LitheIndex c) {
   return LITHE_OK;
 }
 
+/// With the lists of faces and points in place.
 static LitheStatus build(LitheCtx *ctx, const LthMeshDef *def, LthMesh *m) {
-  LITHE_TRY(check_sizes(ctx, def));
-  LITHE_TRY(copy_def(ctx, def, m));
+  LITHE_TRY(copy_rest(ctx, def, m));
   LITHE_TRY(check_faces(ctx, m));
   LITHE_TRY(list_cell_faces(ctx, m));
   LITHE_TRY(lth_mesh_measure_faces(ctx, m));
@@ -165,7 +169,37 @@ LitheStatus lth_mesh_create(LitheCtx *ctx, const LthMeshDef *def, LthMesh **mesh
   *mesh = NULL;
   LthMesh *made = NULL;
   LTH_NEW(ctx, made, 1);
-  LitheStatus status = build(ctx, def, made);
+  LitheStatus status = check_sizes(ctx, def);
+  if (status == LITHE_OK) status = copy_lists(ctx, def, made);
+  if (status == LITHE_OK) status = build(ctx, def, made);
+  if (status != LITHE_OK) lth_mesh_destroy(ctx, &made);
+  *mesh = made;
+  return status;
+}
+
+static void free_lists(LitheCtx *ctx, LthMeshLists *l) {
+  void *blocks[] = {l->points, l->face_loop_off, l->loop_off, l->loop_point, l->face_cell};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
+  *l = (LthMeshLists){0};
+}
+
+LitheStatus lth_mesh_create_of(LitheCtx *ctx, const LthMeshDef *def, LthMeshLists *lists,
+                               LthMesh **mesh) {
+  LthMesh *made = NULL;
+  *mesh = NULL;
+  LitheStatus status = lth_new_(ctx, (void **)&made, 1, sizeof *made);
+  if (status != LITHE_OK) {
+    free_lists(ctx, lists);
+    return status;
+  }
+  made->points = lists->points;
+  made->face_loop_off = lists->face_loop_off;
+  made->loop_off = lists->loop_off;
+  made->loop_point = lists->loop_point;
+  made->face_cell = lists->face_cell;
+  *lists = (LthMeshLists){0};
+  status = check_sizes(ctx, def);
+  if (status == LITHE_OK) status = build(ctx, def, made);
   if (status != LITHE_OK) lth_mesh_destroy(ctx, &made);
   *mesh = made;
   return status;

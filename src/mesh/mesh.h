@@ -79,6 +79,17 @@ typedef struct LthMeshDef {
 /// Build and check a mesh. LITHE_BAD_INPUT: a cell that is not closed or has no volume (names it).
 LitheStatus lth_mesh_create(LitheCtx *ctx, const LthMeshDef *def, LthMesh **mesh);
 
+/// Lists of a definition, of lth_alloc().
+typedef struct LthMeshLists {
+  double *points;
+  LitheIndex *face_loop_off, *loop_off, *loop_point, *face_cell;
+} LthMeshLists;
+
+/// The same of lists that become the mesh's own: those of `def` are not read, the others are copied. `lists` is empty then, also
+/// after a failure.
+LitheStatus lth_mesh_create_of(LitheCtx *ctx, const LthMeshDef *def, LthMeshLists *lists,
+                               LthMesh **mesh);
+
 /// A regular grid of planes.
 typedef struct LthGrid {
   double min[3], max[3]; ///< [m]

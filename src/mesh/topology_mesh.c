@@ -65,8 +65,23 @@ static LitheStatus add_face(LitheCtx *ctx, Packing *p, LitheIndex face) {
   return LITHE_OK;
 }
 
+/// Room for all of it: lists that grow are copied.
+static LitheStatus make_room(LitheCtx *ctx, Packing *p) {
+  const LthTopology *t = p->t;
+  LitheCount n = t->n_live_faces, corners = t->n_pool - t->n_waste;
+  LTH_RESERVE(ctx, p->face_record, p->face_cap, n);
+  LTH_RESERVE(ctx, p->face_cell, p->face_cell_cap, 2 * n);
+  LTH_RESERVE(ctx, p->face_tag, p->face_tag_cap, n);
+  LTH_RESERVE(ctx, p->face_loop_off, p->face_loop_cap, n + 1);
+  LTH_RESERVE(ctx, p->loop_off, p->loop_off_cap, n + n / 16 + 1);
+  LTH_RESERVE(ctx, p->loop_point, p->loop_point_cap, corners);
+  LTH_RESERVE(ctx, p->point_record, p->point_cap, t->n_points);
+  return LITHE_OK;
+}
+
 static LitheStatus list_faces(LitheCtx *ctx, Packing *p, bool all) {
   LthTopology *t = p->t;
+  if (all) LITHE_TRY(make_room(ctx, p));
   LTH_RESERVE(ctx, t->work->mesh_point, t->work->mesh_point_cap, t->n_points);
   p->point_of = t->work->mesh_point;
   for (LitheIndex i = 0; all && i < t->n_surface_points; i++) LITHE_TRY(add_point(ctx, p, i));
@@ -114,15 +129,13 @@ LitheStatus lth_topology_mesh(LitheCtx *ctx, const LthTopology *topology, LitheI
                     .n_faces = p.n_faces,
                     .n_cells = p.n_cells,
                     .n_surface_points = cells ? 0 : topology->n_surface_points,
-                    .points = p.points,
                     .point_rank = p.rank,
-                    .face_loop_off = p.face_loop_off,
-                    .loop_off = p.loop_off,
-                    .loop_point = p.loop_point,
-                    .face_cell = p.face_cell,
                     .face_tag = p.face_tag,
                     .cell_size = topology->cell_size};
-  LITHE_TRY_OR(done, lth_mesh_create(ctx, &def, mesh));
+  LthMeshLists lists = {p.points, p.face_loop_off, p.loop_off, p.loop_point, p.face_cell};
+  p.points = NULL;
+  p.face_loop_off = p.loop_off = p.loop_point = p.face_cell = NULL;
+  LITHE_TRY_OR(done, lth_mesh_create_of(ctx, &def, &lists, mesh));
 done:;
   clear_numbers(&p);
   if (*mesh && cell_record) *cell_record = p.cell_record, p.cell_record = NULL;

@@ -52,8 +52,17 @@ static void gives_spare_blocks_out_again(void **state) {
   double *again = lth_alloc(ctx, n + n / 10, sizeof *again);
   assert_ptr_equal(again, first);
   for (LitheCount i = 0; i < n + n / 10; i++) assert_true(again[i] == 0);
-  double *other = lth_alloc(ctx, n, sizeof *other);
+  double *other = lth_alloc(ctx, n, sizeof *other), *rough = NULL;
   assert_ptr_not_equal(other, again);
+  other[n - 1] = 2;
+  double *const place = other;
+  lth_free(ctx, other);
+  assert_int_equal(lth_new_rough_(ctx, (void **)&rough, n, sizeof *rough), LITHE_OK);
+  assert_ptr_equal(rough, place); // not cleared: its owner writes it
+  assert_true(rough[n - 1] == 2);
+  lth_free(ctx, rough);
+  for (int i = 0; i < 2; i++) lth_age_spares(ctx); // nobody asked for it
+  other = lth_alloc(ctx, n, sizeof *other);
   lth_free(ctx, other);
   lth_keep_spares(ctx, false);
   lth_free(ctx, again);
