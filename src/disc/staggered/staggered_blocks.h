@@ -8,6 +8,11 @@
 #define JOIN2(a, b) a##_##b
 #define JOIN(a, b) JOIN2(a, b)
 
+/// Block that comes so many later in memory, if there is one.
+static inline LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, LitheIndex by) {
+  return block + by < g->n_blocks ? block + by : block;
+}
+
 #if DIM == 3
 #define LANES_F 8
 #else
@@ -29,15 +34,6 @@
 #undef N
 
 #define BLOCK (DIM * CELLS)
-
-/// Block that comes so many later in memory, if there is one.
-ALWAYS LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, LitheIndex by) {
-  return block + by < g->n_blocks ? block + by : block;
-}
-/// Blocks around the one that comes next in memory.
-ALWAYS const LitheIndex *near_next(const LthSparseGrid *g, LitheIndex block) {
-  return g->neighbor + (LitheCount)block_later(g, block, 1) * N_NEAR;
-}
 
 ALWAYS float *row_of(LthFastVector v, LitheIndex row) { return v.at + row * v.stride; }
 
@@ -75,13 +71,13 @@ ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, 
 }
 
 /// With row q of a block, fetch what is wanted soon.
-ALWAYS void fast_fetch(const LthFastLevel *L, LitheIndex block, const bool uniform, LitheIndex q) {
+ALWAYS void fast_fetch(const LthFastLevel *L, const Samples_f *samples, LitheIndex block,
+                       const bool uniform, LitheIndex q) {
   const LitheIndex number = q - L->first[block];
   fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
   fetch_row_f(row_of(L->y, q + SOON));
   fetch_row_f(row_of(L->b, q + SOON));
-  fetch_margin_f(L, near_next(L->grid, block), uniform ? number : L->local[q], L->x.at,
-                 L->x.stride);
+  fetch_around_f(L, samples, block, uniform ? number : L->local[q], L->x.at, L->x.stride);
   if (!uniform) fetch_row_f(L->inverse + (L->number[block] + number + SOON) * (LitheCount)WIDTH);
 }
 
@@ -122,7 +118,7 @@ ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep s
     const float *x = row_of(L->x, q), *b = row_of(L->b, q);
     const float *stored = uniform ? NULL : inverse_of(L, block, q);
     float *y = row_of(L->y, q);
-    fast_fetch(L, block, uniform, q);
+    fast_fetch(L, &B.samples, block, uniform, q);
     Lane_f f[DIM];
     fast_row(L, block, &B, uniform, q, f);
     UNROLL
@@ -179,7 +175,7 @@ ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool unifo
     float *y = row_of(L->y, q);
     Lane_f f[DIM] = {0};
     if (B) {
-      fast_fetch(L, block, uniform, q);
+      fast_fetch(L, &B->samples, block, uniform, q);
       fast_row(L, block, B, uniform, q, f);
     }
     UNROLL
@@ -244,6 +240,7 @@ ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, in
   const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q];
   UNROLL
   for (int a = 0; a < DIM; a++) {
+    __builtin_prefetch(l->state[a] + row * SIDE + CELLS, 0, 2);
     if (inert != 0)
       f[a] += inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
               load_d(p + a * SIDE + i);
@@ -264,7 +261,7 @@ ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, 
     const int row = uniform ? q - first : L->local[q];
     fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
     fetch_row_d(to + SOON * WIDTH);
-    fetch_margin_d(L, near_next(L->grid, block), row, values, WIDTH);
+    fetch_around_d(L, &B.samples, block, row, values, WIDTH);
     for (int i = 0; i < SIDE; i += 8) {
       Lane_d f[DIM];
       row_d(&B, uniform, row, i, f);

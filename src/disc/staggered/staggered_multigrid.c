@@ -210,6 +210,13 @@ LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *M) {
   return bytes;
 }
 
+LitheCount lth_staggered_multigrid_apply_bytes(const LthStaggeredMultigrid *M) {
+  const LthFastLevel *L = &M->level[0];
+  const LitheCount side = L->grid->side, samples = lth_fast_samples(L);
+  const LitheCount row = side * L->grid->dim + 2 * (LitheCount)sizeof(LitheIndex);
+  return 16 * L->n_rows * M->width + 8 * L->level->n_rows * samples * side + L->n_general * row;
+}
+
 int lth_staggered_multigrid_levels(const LthStaggeredMultigrid *M) { return M->n_levels; }
 
 LitheCount lth_staggered_multigrid_unknowns(const LthStaggeredMultigrid *M, int level) {

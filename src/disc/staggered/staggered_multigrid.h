@@ -54,6 +54,9 @@ LitheStatus lth_staggered_multigrid_time_full(LitheCtx *ctx, LthStaggeredMultigr
                                               const double *rhs, int count, double *seconds);
 LitheStatus lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                                int count, double *seconds);
+/// Bytes that such an application of K cannot but move: places of x and y, samples of rows that differ, states and numbers of
+/// rows in general blocks, each once.
+LitheCount lth_staggered_multigrid_apply_bytes(const LthStaggeredMultigrid *multigrid);
 
 LitheCount lth_staggered_multigrid_bytes(const LthStaggeredMultigrid *multigrid);
 int lth_staggered_multigrid_levels(const LthStaggeredMultigrid *multigrid);

@@ -56,25 +56,47 @@ typedef struct N(Rows) {
   const REAL *at[3][N_ROWS];
 } N(Rows);
 
-ALWAYS void N(find_plane)(const LitheIndex *below, const LitheIndex *here, const LitheIndex *above,
-                          const REAL *values, LitheCount stride, const REAL **to) {
-  to[0] = values + below[SIDE - 1] * stride;
-  for (int j = 0; j < SIDE; j++) to[j + 1] = values + here[j] * stride;
-  to[SIDE + 1] = values + above[0] * stride;
+/// Rows of one block: row r stands at values + row[r] stride.
+typedef struct N(Near) {
+  const REAL *values;
+  const LitheIndex *row;
+} N(Near);
+
+/// Whether all rows of a block are there: they follow each other.
+ALWAYS bool N(is_full)(const LthFastLevel *L, LitheIndex block) {
+  return L->first[block + 1] - L->first[block] == BLOCK_ROWS;
+}
+
+/// A block, -1: none. Rows of one that is full are not looked up, nor waited for.
+ALWAYS N(Near) N(find_near)(const LthFastLevel *L, LitheIndex block, const REAL *values,
+                            LitheCount stride, const LitheIndex in_order[BLOCK_ROWS]) {
+  static const LitheIndex no_rows[BLOCK_ROWS];
+  if (block < 0) return (N(Near)){values, no_rows};
+  if (N(is_full)(L, block)) return (N(Near)){values + L->first[block] * stride, in_order};
+  return (N(Near)){values, L->row + block * (LitheCount)BLOCK_ROWS};
+}
+
+/// Rows first ... first + n - 1.
+ALWAYS void N(find_places)(N(Near) near, int first, int n, LitheCount stride, const REAL **to) {
+  for (int r = 0; r < n; r++) to[r] = near.values + near.row[first + r] * stride;
 }
 
 /// Rows of vectors around a block, whose own number and those of its neighbours are given, -1 where there is none.
 ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], const REAL *values,
                          LitheCount stride, N(Rows) * rows) {
-  static const LitheIndex no_rows[BLOCK_ROWS];
-  const LitheIndex *near[N_NEAR];
-  for (int i = 0; i < N_NEAR; i++)
-    near[i] = block[i] < 0 ? no_rows : L->row + block[i] * (LitheCount)BLOCK_ROWS;
+  LitheIndex in_order[BLOCK_ROWS];
+  N(Near) near[N_NEAR];
+  for (int r = 0; r < BLOCK_ROWS; r++) in_order[r] = r;
+  for (int i = 0; i < N_NEAR; i++) near[i] = N(find_near)(L, block[i], values, stride, in_order);
   for (int k = FIRST_K; k < DEEP - FIRST_K; k++) {
-    const LitheIndex *const *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
+    const N(Near) *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
     const int at = (k & (DEEP - 1)) * SIDE;
-    for (int x = 0; x < 3; x++) N(find_plane)
-    (plane[x] + at, plane[3 + x] + at, plane[6 + x] + at, values, stride, rows->at[x] + ROW(-1, k));
+    for (int x = 0; x < 3; x++) {
+      const REAL **to = rows->at[x] + ROW(-1, k);
+      N(find_places)(plane[x], at + SIDE - 1, 1, stride, to);
+      N(find_places)(plane[3 + x], at, SIDE, stride, to + 1);
+      N(find_places)(plane[6 + x], at, 1, stride, to + 1 + SIDE);
+    }
   }
 }
 
@@ -100,16 +122,33 @@ ALWAYS void N(fetch_row)(const REAL *at) {
   for (int i = 0; i < WIDTH; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(at + i, 0, 2);
 }
 
-/// Fetch one of the rows that a block reads of those that follow it along y and z, whom nobody has touched before: all
-/// of them as `row` goes over the rows of a block.
+/// One of the rows that a block reads of those that follow it along y and z, whom nobody has touched before: all of them
+/// as `row` goes over the rows of a block. Returns its block, or -1.
+ALWAYS LitheIndex N(margin)(const LitheIndex *near, int row, int *at) {
+  if (row % (DIM == 3 ? 4 : SIDE)) return -1;
+  const int n = row / 4, plane = DIM == 3 && n >= SIDE;
+  *at = plane ? n - SIDE : n * SIDE;
+  return near[N_NEAR / 2 + (plane ? 9 : 3)];
+}
+
 ALWAYS void N(fetch_margin)(const LthFastLevel *L, const LitheIndex *near, int row,
                             const REAL *values, LitheCount stride) {
-  if (row % (DIM == 3 ? 4 : SIDE)) return;
-  const int n = row / 4, plane = DIM == 3 && n >= SIDE;
-  const LitheIndex block = near[N_NEAR / 2 + (plane ? 9 : 3)];
+  int at;
+  const LitheIndex block = N(margin)(near, row, &at);
   if (block < 0) return;
-  const int at = plane ? n - SIDE : n * SIDE;
-  N(fetch_row)(values + L->row[block * (LitheCount)BLOCK_ROWS + at] * stride);
+  const LitheIndex to =
+      N(is_full)(L, block) ? L->first[block] + at : L->row[block * (LitheCount)BLOCK_ROWS + at];
+  N(fetch_row)(values + to * stride);
+}
+
+/// The same for numbers of rows of samples, of the block too.
+ALWAYS void N(fetch_numbers)(const LthStaggeredLevel *l, const LitheIndex *near, int row) {
+  enum { LINE = 64 / (int)sizeof(LitheIndex), LINES = BLOCK_ROWS / LINE };
+  if (row % 4 != 2 || row / 4 >= DIM * LINES) return;
+  const int n = row / 4, away[3] = {0, 3, 9};
+  const LitheIndex block = near[N_NEAR / 2 + away[n / LINES]];
+  if (block >= 0)
+    __builtin_prefetch(l->row + block * (LitheCount)BLOCK_ROWS + n % LINES * LINE, 0, 2);
 }
 
 /// How much component c grows along an axis from row r, place x.
@@ -199,6 +238,27 @@ ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
   for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + at, 0, 2);
 }
 
+/// The same for those that a block reads of the ones that follow it along y and z.
+ALWAYS void N(fetch_edges)(const N(Samples) * c, const LthStaggeredLevel *l, const LitheIndex *near,
+                           int row) {
+  int at;
+  const LitheIndex block = N(margin)(near, row, &at);
+  if (block < 0) return;
+  const LitheCount to = c->stride * l->row[block * (LitheCount)BLOCK_ROWS + at];
+  UNROLL
+  for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + to, 0, 2);
+}
+
+/// With row `row` of a block, fetch what is wanted of the surroundings of the next one.
+ALWAYS void N(fetch_around)(const LthFastLevel *L, const N(Samples) * c, LitheIndex block, int row,
+                            const REAL *values, LitheCount stride) {
+  const LitheIndex next = block_later(L->grid, block, 1), later = block_later(L->grid, block, 2);
+  const LitheIndex *near = L->grid->neighbor + (LitheCount)next * N_NEAR;
+  N(fetch_margin)(L, near, row, values, stride);
+  N(fetch_numbers)(L->level, L->grid->neighbor + (LitheCount)later * N_NEAR, row);
+  if (L->kind[next] == LTH_BLOCK_GENERAL) N(fetch_edges)(c, L->level, near, row);
+}
+
 /// Normal stress along axis a in the cells of row r, place x.
 ALWAYS N(Lane) N(normal)(const N(Rows) * rows, const N(Samples) * c, N(Lane) lambda, N(Lane) mu,
                          int a, int r, int x, int i) {
@@ -221,7 +281,7 @@ ALWAYS void N(general_row)(const N(Rows) * rows, const N(Samples) * c, int j, in
   const LitheCount before = c->before[row] * c->stride, behind = c->behind[row] * c->stride;
   const REAL *l = c->lambda, *m = c->mu;
   const N(Lane) lambda = N(load)(l + own + i), mu = N(load)(m + own + i);
-  N(fetch_samples)(c, own + i + SOON * c->stride);
+  N(fetch_samples)(c, own + i + SOON / 2 * c->stride);
   UNROLL
   for (int a = 0; a < DIM; a++) {
     const LitheCount low = c->here[r - UP(a)] * c->stride;
