@@ -1,7 +1,7 @@
 /// What a cut costs in a run: a box sliced by a grid into 1 000, 10 000 and 100 000 hexahedra falls, and a plane passes through
 /// it between two steps. Parts are those of `topology` in result.json, in milliseconds of the processor; the first plane finds its
 /// memory, the second is told. One core; the least of several runs for each part.
-/// `--csv` prints rows; `--cells N` takes N^3 hexahedra alone; `--runs N`.
+/// `--csv` prints rows; `--cells N` takes N^3 hexahedra alone; `--model linear` that one alone; `--runs N`.
 #include "scene/change.h"
 #include "scene/cut.h"
 
@@ -90,11 +90,13 @@ static void print_head(bool csv) {
 int main(int argc, char **argv) {
   static const int sizes[] = {10, 22, 46};
   static const char *const models[] = {"corotated", "linear"};
+  const char *model = NULL;
   int only = 0, runs = 3;
   bool csv = false;
   for (int i = 1; i < argc; i++) {
     csv = csv || strcmp(argv[i], "--csv") == 0;
     if (strcmp(argv[i], "--cells") == 0 && i + 1 < argc) only = atoi(argv[++i]);
+    if (strcmp(argv[i], "--model") == 0 && i + 1 < argc) model = argv[++i];
     if (strcmp(argv[i], "--runs") == 0 && i + 1 < argc) runs = atoi(argv[++i]);
   }
   LitheCtxDef def = lithe_ctx_def_default();
@@ -102,13 +104,15 @@ int main(int argc, char **argv) {
   LitheCtx *ctx = lithe_ctx_create(&def);
   if (!ctx) return EXIT_FAILURE;
   print_head(csv);
-  for (int m = 0; m < 2; m++)
+  for (int m = 0; m < 2; m++) {
+    if (model && strcmp(model, models[m]) != 0) continue;
     for (int i = 0; i < (only > 0 ? 1 : 3); i++) {
       Row row = {0};
       for (int run = 0; run < (sizes[i] > 30 && runs > 2 ? 2 : runs); run++)
         time_run(ctx, models[m], only > 0 ? only : sizes[i], &row);
       print_row(models[m], &row, csv);
     }
+  }
   lithe_ctx_destroy(&ctx);
   return 0;
 }
