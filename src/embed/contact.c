@@ -235,7 +235,7 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   lth_contact_index(c);
   c->penetration = 0, c->force = 0;
   for (LitheIndex i = 0; i < c->n_touch; i++)
-    c->penetration = fmax(c->penetration, -c->touch[i].gap);
+    c->penetration = fmax(c->penetration, c->touch[i].slack - c->touch[i].gap);
   c->started = true;
   *n_active = c->n_active;
   return LITHE_OK;
@@ -250,6 +250,8 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }
 
 void lth_contact_set_look(LthContact *c, LthContactLook look) { c->look = look; }
+
+void lth_contact_join_run(LthContact *c) { c->started = true; }
 
 void lth_contact_begin_again(LthContact *c) { c->again = true; }
 

@@ -131,6 +131,9 @@ void lth_contact_set_look(LthContact *contact, LthContactLook look);
 LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *contact, double t, double dt,
                                const double *u, const double *v, LitheIndex *n_active);
 
+/// The contact is made in the middle of a run: what lies inside something at first has not come in, and does not push.
+void lth_contact_join_run(LthContact *contact);
+
 /// The next lth_contact_detect() begins the step of the last one once more, from the same places: anchors, limits and an automatic
 /// stiffness are those that it began with.
 void lth_contact_begin_again(LthContact *contact);

@@ -88,7 +88,7 @@ void lth_touch_meet(LthContact *c, const LthSurface *surface, const LthHit *hit,
                     LthTouch *touch) {
   lth_v3_copy(v, touch->start);
   lth_v3_copy(hit->normal, touch->normal);
-  touch->gap = hit->gap;
+  touch->gap = hit->gap + touch->slack;
   double end = touch->gap + c->dt * lth_v3_dot(touch->normal, v);
   touch->active = end < 0;
   touch->limit = c->friction * touch->stiffness * fmax(-end, 0);

@@ -23,7 +23,8 @@ typedef struct LthTouch {
   LthLeg leg[LTH_LEGS_MAX]; ///< the first n_own are the point itself, their weights sum to one
   bool active;
   bool anchored; ///< has been active in this search for an equilibrium
-  double gap;    ///< of the start place to the collider at the end of the step [m]
+  double gap;    ///< of the start place to the collider at the end of the step, with slack [m]
+  double slack;  ///< depth at which the spring is not pressed; 0 but in contacts of parts [m]
   double normal[3];
   double stiffness;      ///< k times the point's area [N/m]
   double velocity[3];    ///< of the collider's material there [m/s]
@@ -35,7 +36,7 @@ typedef struct LthTouch {
   double trial[3];   ///< stretch by the last solve, or as predicted [m]
   double spring;     ///< secant stiffness of friction [N/m], at most `stiffness`
   double limit;      ///< mu times the normal force of the last solve [N]
-  double gap_end;    ///< at the end of the step by the last solve [m]
+  double gap_end;    ///< at the end of the step by the last solve, with slack [m]
   double force_n;    ///< normal force of the last solve [N]
   double D[9], r[3]; ///< equation (4)
 } LthTouch;

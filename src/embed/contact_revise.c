@@ -87,7 +87,7 @@ bool lth_contact_revise(LthContact *c, const double *v1) {
     missed[1] += of_touch[1];
     if (!touch->active) continue;
     c->force += touch->force_n;
-    c->penetration = fmax(c->penetration, -touch->gap_end);
+    c->penetration = fmax(c->penetration, touch->slack - touch->gap_end);
   }
   lth_contact_index(c);
   bool again = missed[0] > FORCE_CHANGE * c->force || (n_before == 0 && c->n_active > 0);

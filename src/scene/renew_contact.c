@@ -120,6 +120,7 @@ LitheStatus lth_world_carry_contacts(LitheCtx *ctx, LthWorld *world, const LthWo
                                      const LthRenewal *renewals) {
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     LITHE_TRY(carry_rigid(ctx, world->bodies[b], renewals + b));
+  for (LitheIndex i = 0; i < world->n_pairs; i++) lth_contact_join_run(world->pairs[i].contact);
   for (LitheIndex i = 0; i < world->n_pairs; i++)
     for (LitheIndex j = 0; j < old->n_pairs; j++)
       if (memcmp(world->pairs[i].body, old->pairs[j].body, sizeof old->pairs[j].body) == 0)
