@@ -77,6 +77,7 @@ static bool meets_segment(const LthWindow *w, const double p[2], const double q[
 
 bool lth_cutting_meets(const LthCutting *c, LitheIndex cell, const LthWindow *w) {
   bool is_around = false;
+  double level = INNER * hypot(w->corner[0][0], w->corner[0][1]);
   for (LitheIndex i = 0; i < c->section.n; i++) {
     const double *ends = c->section.ends + 6 * (LitheCount)i;
     double at[2][3], p[2][2];
@@ -85,9 +86,10 @@ bool lth_cutting_meets(const LthCutting *c, LitheIndex cell, const LthWindow *w)
       to_window(w, at[e], p[e]);
     }
     if (meets_segment(w, p[0], p[1])) return true;
-    // the outline around the window's middle, the origin: even or odd
-    bool crosses = (p[0][1] > 0) != (p[1][1] > 0);
-    if (crosses && p[0][0] - p[0][1] * (p[1][0] - p[0][0]) / (p[1][1] - p[0][1]) > 0)
+    // the outline around the window's middle, the origin: even or odd. A corner that two segments have in common comes out with
+    // two roundings, so the ray is a little above where corners of regular meshes lie
+    bool crosses = (p[0][1] > level) != (p[1][1] > level);
+    if (crosses && p[0][0] + (level - p[0][1]) * (p[1][0] - p[0][0]) / (p[1][1] - p[0][1]) > 0)
       is_around = !is_around;
   }
   return is_around;

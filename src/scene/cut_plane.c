@@ -1,11 +1,9 @@
-/// Cuts by planes, and by the facets of a blade.
+/// Cuts by planes, whole or what a window leaves.
 #include "scene/cut_priv.h"
 
 #include "base/tensor.h"
 
 #include <math.h>
-
-#define NEAR 0.5 ///< of a cell's box: a plane that close to it may part it from a neighbour
 
 /// Cells to be cut, with the plane at rest of each.
 typedef struct Cells {
@@ -53,28 +51,30 @@ static LitheStatus reaches(LitheCtx *ctx, LthCutting *c, LitheIndex cell, const 
 }
 
 static LitheStatus find_cells(LitheCtx *ctx, LthCutting *c, const LthPlane *plane,
-                              const LthWindow *window, Cells *cells) {
+                              const LthCutFacet *facet, Cells *cells) {
   const LthTopology *t = c->t;
+  const LthWindow *window = facet ? &facet->window : NULL;
   bool is_bounded = window || c->cut->has_within, yes;
   LTH_NEW(ctx, cells->record, t->n_live_cells);
   LTH_NEW(ctx, cells->plane, t->n_live_cells);
   for (LitheIndex i = 0; i < t->n_cells; i++) {
     LthPlane *rest = cells->plane + cells->n;
     if (!t->cells[i].is_live || !lth_cutting_plane(c, plane, i, rest)) continue;
-    if (!lth_plane_passes(t->cells + i, rest, is_bounded ? 1e-9 : NEAR)) continue;
+    if (!lth_plane_passes(t->cells + i, rest, is_bounded ? 1e-9 : LTH_CUT_NEAR)) continue;
+    if (facet && c->x && lth_cut_is_beyond(c, i, facet)) continue;
     LITHE_TRY(reaches(ctx, c, i, rest, window, &yes));
     if (yes) cells->record[cells->n++] = i;
   }
   return LITHE_OK;
 }
 
-/// A plane, all of it or what the window or `within` leave.
-static LitheStatus cut(LitheCtx *ctx, LthCutting *c, const LthPlane *plane, const LthWindow *window,
-                       LitheIndex tag) {
+LitheStatus lth_cut_along(LitheCtx *ctx, LthCutting *c, const LthPlane *plane,
+                          const LthCutFacet *facet, LitheIndex tag, LthCutSides *sides) {
   LitheStatus status = LITHE_OK;
   Cells cells = {0};
   LthCut done = {0};
-  LITHE_TRY_OR(done, find_cells(ctx, c, plane, window, &cells));
+  LITHE_TRY_OR(done, find_cells(ctx, c, plane, facet, &cells));
+  for (LitheIndex i = 0; i < cells.n && sides; i++) sides->of[cells.record[i]] = LTH_CUT_REACHED;
   if (cells.n > 0)
     LITHE_TRY_OR(done, lth_topology_cut(ctx, c->t, cells.n, cells.record, c->x ? cells.n : 1,
                                         cells.plane, tag, &done));
@@ -88,79 +88,5 @@ done:
 }
 
 LitheStatus lth_cut_by_plane(LitheCtx *ctx, LthCutting *c) {
-  return cut(ctx, c, &c->cut->plane, NULL, c->tag);
-}
-
-// --- blades ---
-
-/// Corners of what an edge sweeps, and their plane.
-static LthWindow facet_window(const LthSceneCut *cut, LitheIndex i, LthPlane *plane) {
-  const double *p = cut->path[i], *q = cut->path[i + 1];
-  double edge[3], far[2][3];
-  lth_v3_add(q, cut->depth, far[0]);
-  lth_v3_add(p, cut->depth, far[1]);
-  lth_v3_sub(q, p, edge);
-  lth_v3_copy(p, plane->point);
-  lth_v3_cross(edge, cut->depth, plane->normal);
-  lth_v3_normalize(plane->normal);
-  return lth_window_make(4, (const double *const[]){p, q, far[0], far[1]});
-}
-
-/// The plane halfway between two edges in a bend, as far from both as one can be: next to an edge it would be taken for it, and the
-/// edge would not end in the bend. False where the path goes straight on (or back).
-static bool bend_plane(const LthSceneCut *cut, LitheIndex i, LthPlane *plane) {
-  double a[3], b[3], turn[3], along[3];
-  lth_v3_sub(cut->path[i], cut->path[i - 1], a);
-  lth_v3_sub(cut->path[i + 1], cut->path[i], b);
-  lth_v3_copy(cut->depth, along);
-  lth_v3_normalize(along);
-  lth_v3_axpy(-lth_v3_dot(along, a), along, a);
-  lth_v3_axpy(-lth_v3_dot(along, b), along, b);
-  lth_v3_normalize(a);
-  lth_v3_normalize(b);
-  lth_v3_cross(a, b, turn);
-  lth_v3_copy(cut->path[i], plane->point);
-  lth_v3_add(a, b, plane->normal);
-  return lth_v3_norm(turn) > 1e-9 && lth_v3_normalize(plane->normal) > 1e-6;
-}
-
-/// A window that is next to a line: the bend's edge, as far as the blade reaches.
-static LthWindow bend_window(const LthSceneCut *cut, LitheIndex i, const LthPlane *plane,
-                             double width) {
-  double corners[4][3], across[3];
-  lth_v3_cross(plane->normal, cut->depth, across);
-  lth_v3_normalize(across);
-  for (int k = 0; k < 4; k++) {
-    lth_v3_copy(cut->path[i], corners[k]);
-    if (k == 1 || k == 2) lth_v3_add(corners[k], cut->depth, corners[k]);
-    lth_v3_axpy((k >= 2 ? 1 : -1) * width, across, corners[k]);
-  }
-  return lth_window_make(4,
-                         (const double *const[]){corners[0], corners[1], corners[2], corners[3]});
-}
-
-// Where the blade bends inside an element, each of its two facets takes the part of the element on its side of the bend:
-// divided there, and put together again where the cut has left the parts joined.
-LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c) {
-  LitheStatus status = LITHE_OK;
-  const LthSceneCut *blade = c->cut;
-  LthCutRoots roots = {0};
-  LthPlane plane;
-  LITHE_TRY_OR(done, lth_cut_roots_begin(ctx, c->t, &roots));
-  for (LitheIndex i = 1; i + 1 < blade->n_path; i++) {
-    if (!bend_plane(blade, i, &plane)) continue;
-    LthWindow window = bend_window(blade, i, &plane, 1e-3 * c->t->cell_size);
-    LITHE_TRY_OR(done, cut(ctx, c, &plane, &window, -1));
-  }
-  bool is_divided = c->t->log.n_births > roots.n_births;
-  for (LitheIndex i = 0; i + 1 < blade->n_path; i++) {
-    LthWindow window = facet_window(blade, i, &plane);
-    LITHE_TRY_OR(done, cut(ctx, c, &plane, &window, c->tag));
-  }
-  if (!is_divided) goto done;
-  LITHE_TRY_OR(done, lth_cut_roots_follow(ctx, c->t, &roots));
-  LITHE_TRY_OR(done, lth_cut_merge_roots(ctx, c, &roots, NULL, NULL));
-done:
-  lth_free(ctx, roots.root);
-  return status;
+  return lth_cut_along(ctx, c, &c->cut->plane, NULL, c->tag, NULL);
 }

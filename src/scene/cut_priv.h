@@ -1,7 +1,8 @@
 /// What the files of the cuts share.
 ///   cut.c        when they are due, slivers, what is told
 ///   cut_cells.c  cells near a plane, places of the moment, windows in planes, parts of cells
-///   cut_plane.c  plane cuts and blades
+///   cut_plane.c  plane cuts
+///   cut_blade.c  blades: facets, bends, and what lies on two sides of them
 ///   cut_carve.c  cuts by another solid
 ///   cut_crumbs.c pieces that are taken away
 #pragma once
@@ -58,6 +59,33 @@ LitheStatus lth_cut_roots_follow(LitheCtx *ctx, const LthTopology *t, LthCutRoot
 /// Merge cells of one root again where nothing parts them and `side` (by record, may be NULL) is the same.
 LitheStatus lth_cut_merge_roots(LitheCtx *ctx, LthCutting *c, LthCutRoots *roots, int8_t **side,
                                 LitheCount *side_cap);
+
+#define LTH_CUT_NEAR 0.5 ///< of a cell's box: a plane that close to it may part it from a neighbour
+#define LTH_CUT_REACHED 2 ///< times the side of a cell that a facet has reached
+
+/// A facet of a blade, of the moment.
+typedef struct LthCutFacet {
+  LthPlane plane;
+  LthWindow window;
+  LthPlane
+      bend[2]; ///< in its first and in its last edge: it lies above the one and below the other
+  bool has_bend[2];
+} LthCutFacet;
+
+/// Sides of cells by record: -1, 1 near a facet that passes them by, twice that where it has reached them, else 0.
+typedef struct LthCutSides {
+  int8_t *of;
+  LitheIndex n, n_births;
+  LitheCount cap;
+} LthCutSides;
+
+/// Cut by a plane, all of it, or what the facet's window or `within` leave. `sides` (may be NULL, of all cells) become LTH_CUT_REACHED
+/// for the cells that were taken. tag -1 divides only, and is not counted.
+LitheStatus lth_cut_along(LitheCtx *ctx, LthCutting *c, const LthPlane *plane,
+                          const LthCutFacet *facet, LitheIndex tag, LthCutSides *sides);
+
+/// Does a whole cell lie beyond one of a facet's bends, so that the facet cannot be in it?
+bool lth_cut_is_beyond(const LthCutting *c, LitheIndex cell, const LthCutFacet *facet);
 
 LitheStatus lth_cut_by_plane(LitheCtx *ctx, LthCutting *c);
 LitheStatus lth_cut_by_blade(LitheCtx *ctx, LthCutting *c);

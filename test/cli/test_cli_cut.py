@@ -185,6 +185,14 @@ with folder() as d:
         "    constraints", "    initial: {displacement: [0, 1, 0]}\n    constraints", 1).replace("displacement: [0, 0, 0]", "displacement: [0, 1, 0]")
     n = solve(d, moved.replace("CUT", "{at: 0.01, blade: {path: [[0.5, 2.1, -0.1], [0.5, 1.5, -0.1]], depth: [0, 0, 1.2]}}"))[1]["topology"][0]
     expect("a_blade_is_where_the_body_has_moved", abs(n["area"] - 0.6) < 1e-12 and n["split"] == 15, n)
+    turned = CUBE.replace("time: static", "time: {kind: dynamic, duration: 0.03, step: 0.01}").replace(
+        "    constraints", '    initial: {velocity: ["2*(y-.5)^2", "(.5-x)*z", "z*z"]}\n    constraints', 1)
+    for degree in (1, 2):
+        bent = turned.replace("degree: 1", "degree: %d" % degree).replace("cells: [5, 5, 5]", "cells: [3, 3, 3]")
+        blade = "{at: 0.015, SPACE blade: {path: [[-0.5, 0.4, -0.5], [0.47, 0.62, -0.5], [1.5, 0.37, -0.5]], depth: [0, 0.1, 2]}}"
+        n, rest = (solve(d, bent.replace("CUT", blade.replace("SPACE", s)))[1]["topology"][0] for s in ("", "space: rest,"))
+        expect("a_bent_blade_parts_a_body_that_moves", n["pieces"] == 2 and n["separated"] > 0, n)
+        expect("and_cuts_what_it_cuts_at_rest", rest["pieces"] == 2 and abs(n["area"] / rest["area"] - 1) < 0.03, (n, rest))
     n = solve(d, moved.replace("CUT", "{at: 0.01, plane: {point: [0.5, 0, 0], normal: [1, 0, 0]}, within: {box: {min: [0, 1.49, 0], max: [1, 2, 1]}}}"))[1]["topology"][0]
     expect("and_so_is_what_a_plane_cuts_within", abs(n["area"] - 0.6) < 1e-12 and n["split"] == 15, n)
     n = cut("{carve: {box: {min: [0.1, -0.1, 0.15], max: [0.83, 2, 0.9]}}, keep: inside}")

@@ -225,9 +225,9 @@ MUTANTS = {
         ("volume of parts", "mesh/topology_record.c", "c->volume = volume / 6;", "c->volume = volume / 6.06;"),
         ("middle within a shape", "scene/cut_plane.c", "return lth_shape_value(&c->cut->within, middle) <= 0;", "return lth_shape_value(&c->cut->within, middle) <= -0.2 * c->t->cell_size;"),
         ("volume of slivers", "scene/cut.c", "double volume = body->def->sliver * whole_volume(body, level);", "double volume = 0.1 * body->def->sliver * whole_volume(body, level);"),
-        ("bend of a blade", "scene/cut_plane.c", "lth_v3_add(a, b, plane->normal);", "lth_v3_sub(a, b, plane->normal);"),
-        ("place of a blade's bend", "scene/cut_plane.c", "lth_v3_copy(cut->path[i], plane->point);", "lth_v3_copy(cut->path[i - 1], plane->point);"),
-        ("parts beside a blade's bend", "scene/cut_plane.c", "if (!is_divided) goto done;", "if (is_divided) goto done;"),
+        ("bend of a blade", "scene/cut_blade.c", "lth_v3_add(a, b, plane->normal);", "lth_v3_sub(a, b, plane->normal);"),
+        ("place of a blade's bend", "scene/cut_blade.c", "lth_v3_copy(cut->path[i], plane->point);", "lth_v3_copy(cut->path[i - 1], plane->point);"),
+        ("parts beside a blade's bend", "scene/cut_blade.c", "if (!is_divided) goto done;", "if (is_divided) goto done;"),
     ],
     "live matrix": [
         ("neighbours of births", "disc/dg/dg_live.c", "LITHE_TRY(list_neighbours(ctx, live, live->list[i], true));", "LITHE_TRY(list_neighbours(ctx, live, live->list[i], false));"),
