@@ -226,7 +226,7 @@ done:
 }
 
 /// Mean acceleration of the step, in the place of the velocity before it; NULL in equilibria.
-static const double *acceleration(LthWorld *world, double dt) {
+static double *acceleration(LthWorld *world, double dt) {
   LthAdapt *a = world->adapt;
   const double *v = lth_simulation_velocity(world->sim);
   if (!(dt > 0)) return NULL;
@@ -259,8 +259,9 @@ static void mark_rows(const LthBody *body, const uint8_t *is_new, uint8_t *rows)
   }
 }
 
-/// Renew the world; in motion hold back what the new functions release.
-static LitheStatus renew_softly(LitheCtx *ctx, LthWorld *world, const double *rate) {
+/// Renew the world; in motion hold back what the new functions release: what is out of balance with the acceleration that
+/// the forces of now give the old ones. `rate`, of now's size, is overwritten with it; NULL in equilibria.
+static LitheStatus renew_softly(LitheCtx *ctx, LthWorld *world, double *rate) {
   LitheStatus status = LITHE_OK;
   LthAdapt *a = world->adapt;
   uint8_t **is_new = NULL, *rows = NULL;
@@ -270,6 +271,7 @@ static LitheStatus renew_softly(LitheCtx *ctx, LthWorld *world, const double *ra
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     if (lth_body_has_changed(world->bodies[b]))
       LITHE_TRY_OR(done, list_new(ctx, world->bodies[b], is_new + b));
+  LITHE_TRY_OR(done, lth_simulation_find_rate(ctx, world->sim, rate));
   LITHE_TRY_OR(done, lth_simulation_keep_rate(ctx, world->sim, rate));
   LITHE_TRY_OR(done, lth_world_renew(ctx, world));
   LTH_NEW_OR(done, ctx, rows, world->system->n_rows);
@@ -286,7 +288,7 @@ done:
 }
 
 /// Renew the world, and keep what that did to its energies.
-static LitheStatus renew(LitheCtx *ctx, LthWorld *world, const double *rate) {
+static LitheStatus renew(LitheCtx *ctx, LthWorld *world, double *rate) {
   LthAdapt *a = world->adapt;
   const LthStepReport *r = lth_simulation_report(world->sim);
   double strain = r->strain_energy, kinetic = r->kinetic_energy;
@@ -311,7 +313,7 @@ LitheStatus lth_adapt_look(LitheCtx *ctx, LthWorld *world, double dt, int round,
   if (!is_due(world->scene, a->n_steps)) return LITHE_OK;
   if (round == 0) a->n_looks++;
   lth_simulation_measure(ctx, world->sim); // rotations are those of the state
-  const double *rate = acceleration(world, dt);
+  double *rate = acceleration(world, dt);
   lth_world_cost_begin(world);
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     LthBody *body = world->bodies[b];

@@ -14,13 +14,13 @@ static void put_cost(LthJson *json, const double *seconds) {
 
 static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *n) {
   static const char *const kinds[] = {"plane", "blade", "carve", "adapt"};
-  bool has_missed = n->n_split + n->n_separated + n->n_removed + n->n_merged == 0;
+  bool is_idle = n->n_split + n->n_separated + n->n_removed + n->n_merged == 0;
   lth_json_begin_object(json, NULL);
   lth_json_string(json, "kind", kinds[n->kind]);
   if (n->cut >= 0) lth_json_integer(json, "cut", n->cut);
   lth_json_number(json, "time", n->t);
   lth_json_string(json, "body", world->bodies[n->body]->def->name);
-  if (n->cut >= 0) lth_json_bool(json, "missed", has_missed && !n->is_refused);
+  if (n->cut >= 0) lth_json_bool(json, "missed", is_idle && !n->is_refused);
   if (n->is_refused) lth_json_bool(json, "refused", true);
   lth_json_integer(json, "split", n->n_split);
   lth_json_integer(json, "separated", n->n_separated);
@@ -31,8 +31,8 @@ static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *
   lth_json_integer(json, "dofs", n->unknowns);
   lth_json_integer(json, "pieces", n->pieces);
   lth_json_number(json, "volume", n->volume);
-  lth_json_vector(json, "strain_energy", 2, n->strain);
-  lth_json_vector(json, "kinetic_energy", 2, n->kinetic);
+  if (!is_idle) lth_json_vector(json, "strain_energy", 2, n->strain);
+  if (!is_idle) lth_json_vector(json, "kinetic_energy", 2, n->kinetic);
   put_cost(json, n->seconds);
   lth_json_end_object(json);
 }

@@ -97,7 +97,8 @@ void lth_simulation_destroy(LitheCtx *ctx, LthSimulation **sim) {
   if (!sim || !*sim) return;
   LthSimulation *s = *sim;
   lth_step_vectors_free(ctx, s);
-  double *blocks[] = {s->extra, s->cm, s->ck, s->levels_x, s->rate, s->best, s->start, s->f_before};
+  double *blocks[] = {s->extra, s->cm,          s->ck,   s->levels_x, s->rate,
+                      s->faded, s->faded_start, s->best, s->start,    s->f_before};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   lth_stage_free(ctx, &s->stage);
   lth_rigid_free(ctx, &s->rigid);

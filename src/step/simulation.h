@@ -123,7 +123,11 @@ typedef LitheStatus LthFieldMove(LitheCtx *ctx, const void *self, const double *
 LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *sim, const LthSimulation *from,
                                    LthFieldMove *move, const void *self);
 
-/// Keep the acceleration of the step of now (n) [m/s^2] for a simulation that inherits.
+/// The acceleration (n) [m/s^2] that the forces of now give, but contact's and those held back, where the mass is diagonal.
+/// Overwrites the matrix.
+LitheStatus lth_simulation_find_rate(LitheCtx *ctx, LthSimulation *sim, double *rate);
+
+/// Keep an acceleration (n) [m/s^2] for a simulation that inherits.
 LitheStatus lth_simulation_keep_rate(LitheCtx *ctx, LthSimulation *sim, const double *rate);
 
 /// After inheriting with a kept acceleration: what is out of balance in the block rows marked is what new functions

@@ -100,8 +100,10 @@ struct LthSimulation {
   double *x_rest, *x, *v, *u; // coefficients                                        (n)
   double *mass;               // lumped, per unknown [kg]
   double *rate;               // acceleration kept for a successor, or NULL [m/s^2]
-  double *row_mass;           // M 1, per unknown [kg]
-  double *cm, *ck;            // factors of M and K in the present system, per body
+  double *faded;       // part of f_ext that holds new functions back; NULL: there was none yet
+  double *faded_start; // the same at the start of the step
+  double *row_mass;    // M 1, per unknown [kg]
+  double *cm, *ck;     // factors of M and K in the present system, per body
   double *f_ext, *f0;
   double *force;      // f_ext - f_int [N]
   double *base, *rhs; // right-hand side without and with contact
@@ -237,6 +239,14 @@ void lth_step_contact_rhs(const LthSimulation *s, double *rhs);
 LitheStatus lth_fade_inherit(LitheCtx *ctx, LthSimulation *s, const LthSimulation *from,
                              LthFieldMove *move, const void *self);
 void lth_fade_archive(LthSimulation *s, LthArchive *a);
+
+/// Keep for the step that begins what is held back at its start.
+void lth_fade_begin(LthSimulation *s);
+
+/// f_ext at (t, s->x), what is held back among it, of which no free body gets a moment; overwrites force and f0, and at
+/// the first time the matrix.
+LitheStatus lth_fade_external_force(LitheCtx *ctx, LthSimulation *s, double t);
+
 void lth_step_contact_diagonal(const LthSimulation *s, double *extra);
 
 /// After a solve: true where the set of points has changed. Then its figures into the report.
@@ -297,6 +307,9 @@ void lth_rigid_free(LitheCtx *ctx, LthRigid *rigid);
 void lth_rigid_measure(LthSimulation *s, LitheIndex b, const double *x, LthInertia *inertia);
 void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *motion,
                        double *momentum, LthInertia *inertia);
+
+/// Angular velocity [rad/s] that gives a body its angular momentum about the centre; false where it has no inertia.
+bool lth_rigid_turn(const LthInertia *inertia, const double momentum[3], double turn[3]);
 
 /// Rigid motions of bodies at x that mass damping spares; overwrites rhs and scratch. Then y += weight a M (what of v
 /// is their rigid motion).

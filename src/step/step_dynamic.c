@@ -66,6 +66,7 @@ static LitheStatus find_start_force(LitheCtx *ctx, LthSimulation *s, double dt) 
   const LthSystem *system = s->system;
   LITHE_TRY(lth_step_assemble(ctx, s, s->t, s->x));
   memcpy(g->f_start, s->f_ext, sizeof *s->f_ext * (size_t)s->n);
+  lth_fade_begin(s);
   lth_rigid_prepare(s, s->x);
   lth_system_apply_mass(system, s->v, s->rhs);
   lth_step_apply(s, lth_threads(ctx), s->v, s->scratch);

@@ -18,7 +18,7 @@ static LitheStatus move_stage(LitheCtx *ctx, LthSimulation *s, const LthSimulati
 static LitheStatus find_forces(LitheCtx *ctx, LthSimulation *s, const LthSimulation *from) {
   bool any = false;
   for (LitheCount i = 0; i < from->n && !any; i++) any = from->f_ext[i] != 0;
-  if (any) LITHE_TRY(lth_system_external_force(ctx, s->system, s->t, s->x, s->f_ext));
+  if (any) LITHE_TRY(lth_fade_external_force(ctx, s, s->t));
   for (LitheCount i = 0; i < from->n_held && !any; i++) any = from->held_force[i] != 0;
   if (!any || s->n_held == 0) return LITHE_OK;
   LITHE_TRY(lth_step_assemble(ctx, s, s->t, s->x));

@@ -22,16 +22,24 @@ static void balance_momentum(LthSimulation *s, LitheIndex group, const double *m
       if (s->rigid.group[b] == group) lth_v3_axpy(system->one[i], shift, s->solution + 3 * i);
 }
 
+/// Moment of an external force, but for what holds new functions back: that has none where it was found, and the
+/// rounding and tolerance of where that was are no impulse.
+static void add_moment(const LthSimulation *s, LitheIndex b, double weight, const double *x,
+                       const double *force, const double *faded, double sum[3]) {
+  lth_rigid_add_moment(s, b, weight, x, force, sum);
+  if (faded) lth_rigid_add_moment(s, b, -weight, x, faded, sum);
+}
+
 /// Moment of the external forces over the step: of their end for Euler, the mean of both ends for the others.
 static void add_impulse(const LthSimulation *s, LitheIndex b, double dt, double sum[3]) {
   const LthStage *g = &s->stage;
   if (!g->is_second_order) {
-    lth_rigid_add_moment(s, b, dt, g->x_start, s->f_ext, sum);
+    add_moment(s, b, dt, g->x_start, s->f_ext, s->faded, sum);
     return;
   }
-  lth_rigid_add_moment(s, b, 0.5 * dt, g->x_start, g->f_start, sum);
-  lth_rigid_add_moment(s, b, 0.5 * dt, g->x_hat, s->f_ext, sum); // x1 = x^ + H v1
-  lth_rigid_add_moment(s, b, 0.5 * dt * g->H, s->solution, s->f_ext, sum);
+  add_moment(s, b, 0.5 * dt, g->x_start, g->f_start, s->faded_start, sum);
+  add_moment(s, b, 0.5 * dt, g->x_hat, s->f_ext, s->faded, sum); // x1 = x^ + H v1
+  add_moment(s, b, 0.5 * dt * g->H, s->solution, s->f_ext, s->faded, sum);
 }
 
 /// A turn takes away what the solution misses of L1 = L0 + moment of the external forces. Frozen rotations leave a
@@ -41,19 +49,14 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
   const LthSystem *system = s->system;
   const LthStage *g = &s->stage;
   LthInertia inertia;
-  double missing[3] = {0}, C[9], turn[3], det = 0;
+  double missing[3] = {0}, turn[3];
   lth_rigid_inertia(s, b, g->x_hat, s->scratch, s->rhs, &inertia);
   lth_system_apply_body_mass(system, b, s->v, s->rhs);
   lth_rigid_add_moment(s, b, 1, g->x_start, s->rhs, missing);
   lth_system_apply_body_mass(system, b, s->solution, s->rhs);
   lth_rigid_add_moment(s, b, -1, g->x_hat, s->rhs, missing);
   add_impulse(s, b, dt, missing);
-
-  lth_m3_cofactor(inertia.tensor, C);
-  for (int i = 0; i < 3; i++) det += inertia.tensor[i] * C[i];
-  if (!(det > 0)) return;
-  lth_m3_apply(C, missing, turn); // the inverse: C is symmetric
-  lth_v3_scale(1 / det, turn);
+  if (!lth_rigid_turn(&inertia, missing, turn)) return;
   for (int k = 0; k < 3; k++) {
     lth_rigid_motion(s, b, &inertia, k, g->x_hat, s->scratch);
     for (LitheCount i = system->dof_first[b]; i < system->dof_first[b + 1]; i++)

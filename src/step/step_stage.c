@@ -30,6 +30,7 @@ LitheStatus lth_stage_begin(LitheCtx *ctx, LthSimulation *s) {
   LITHE_TRY(allocate(ctx, s));
   memcpy(s->stage.x_start, s->x, bytes);
   memcpy(s->stage.f_start, s->f_ext, bytes);
+  lth_fade_begin(s);
   return lth_rigid_find(ctx, s);
 }
 

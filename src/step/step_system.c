@@ -17,7 +17,7 @@ LitheStatus lth_step_assemble(LitheCtx *ctx, LthSimulation *s, double t, const d
   double start = lth_now();
   lth_system_update_rotations(s->system, s->x);
   lth_step_volume_begin(s);
-  LITHE_TRY(lth_system_external_force(ctx, s->system, t, s->x, s->f_ext));
+  LITHE_TRY(lth_fade_external_force(ctx, s, t));
   if (s->own) {
     s->cm[0] = 0;
     s->ck[0] = 1;

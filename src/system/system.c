@@ -33,9 +33,7 @@ double lth_system_fade_left(const LthSystem *s, double t) {
 
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *s, double t, const double *x,
                                       double *f) {
-  double left = lth_system_fade_left(s, t);
   memcpy(f, s->f_fixed, sizeof *f * (size_t)s->n);
-  for (LitheCount i = 0; left > 0 && i < s->n; i++) f[i] += left * s->fade[i];
   return add_loads(ctx, s, false, t, x, f);
 }
 

@@ -98,7 +98,7 @@ void lth_system_mass_diagonal(const LthSystem *system, double *mass); ///< (n)
 /// What is left at time t of the force that dies away: 1 at first, 0 once it is below a thousandth.
 double lth_system_fade_left(const LthSystem *system, double t);
 
-/// f = external forces at time t, without contact.
+/// f = external forces at time t, without contact and without the force that dies away.
 LitheStatus lth_system_external_force(LitheCtx *ctx, LthSystem *system, double t, const double *x,
                                       double *f);
 /// Places of held unknowns at time t; others untouched.

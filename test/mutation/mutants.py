@@ -211,7 +211,7 @@ MUTANTS = {
         ("error foreseen after a merge", "scene/adapt_mark.c", "return ldexp(sqrt(sum), degree);", "return ldexp(sqrt(sum), degree - 4);"),
         ("turn foreseen after a merge", "scene/adapt_mark.c", "#define TURN_RISE 2", "#define TURN_RISE 0.2"),
         ("forces held back", "step/step_fade.c", "if (decay > 0) system->fade[i] -= s->force[i];", "if (decay > 0) system->fade[i] += s->force[i];"),
-        ("inertia of forces held back", "step/step_fade.c", "s->rhs[i] = s->rate[i] + system->bodies[b].damping_mass * s->v[i];", "s->rhs[i] = 1.5 * s->rate[i] + system->bodies[b].damping_mass * s->v[i];"),
+        ("inertia of forces held back", "step/step_fade.c", "s->rhs[i] = (rate ? rate[i] : 0) +", "s->rhs[i] = (rate ? 1.5 * rate[i] : 0) +"),
     ],
     "cuts": [
         ("plane carried to rest", "disc/dg/dg_transfer.c", "for (int i = 0; i < 20; i++) {\n    double at[3], F[9]", "for (int i = 0; i < 1; i++) {\n    double at[3], F[9]"),
