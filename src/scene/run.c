@@ -244,6 +244,16 @@ static LitheStatus open_output(LitheCtx *ctx, Run *run) {
   return run->resume ? lth_resume_output(ctx, run->resume, &run->out) : LITHE_OK;
 }
 
+/// An equilibrium in which pieces may lie on others without anything that keeps them from sliding.
+static bool may_slide(const Run *run) {
+  bool in_pieces = run->world->n_bodies > 1;
+  for (LitheIndex b = 0; b < run->world->n_bodies; b++)
+    in_pieces |= run->world->bodies[b]->n_parts > 1;
+  const LthScene *scene = run->scene;
+  return scene->time_kind != LTH_TIME_DYNAMIC && !(scene->contact_friction > 0) &&
+         (in_pieces || scene->n_colliders > 0);
+}
+
 static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
   LITHE_TRY(build(ctx, run));
   LitheStatus status = open_output(ctx, run);
@@ -266,8 +276,11 @@ static LitheStatus run_scene(LitheCtx *ctx, Run *run, LitheResult *result) {
   else if (status == LITHE_NOT_CONVERGED)
     lth_fail(ctx, status,
              "%s: a solve did not converge; %s/result.json has the figures. What helps: smaller "
-             "steps of time or load, more solver.newton.iterations, solver.linear: cholesky",
-             run->scene->file, result->folder);
+             "steps of time or load, more solver.newton.iterations, solver.linear: cholesky%s",
+             run->scene->file, result->folder,
+             may_slide(run) ? ", and contact.friction or a constraint for what lies on something "
+                              "else and may slide off without an end"
+                            : "");
   return status;
 }
 

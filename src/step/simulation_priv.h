@@ -323,6 +323,10 @@ void lth_stage_balance(LthSimulation *s, double dt);
 /// Decide between Cholesky, PCG and multigrid for equilibria (`is_static`) or dynamic steps, with the reason.
 LitheStatus lth_step_choose(LitheCtx *ctx, LthSimulation *s, bool is_static);
 
+/// The solver of a step did not come to the tolerance: where `auto` took it, it is made anew or not taken again in steps with (without)
+/// contact. True if there is something else to try.
+bool lth_step_has_other_way(LthSimulation *s);
+
 /// Work since (t0, x0) of weak constraints that move, by the mean over both ends.
 double lth_work_of_weak(LthSimulation *s, double t0, const double *x0);
 

@@ -176,7 +176,16 @@ static LthLinearChoice cheapest(const LthSimulation *s, bool has_factor) {
   cost[best] = INFINITY;
   for (int k = 0; k < LTH_LINEAR_COUNT; k++)
     if (cost[k] < cost[second]) second = (LthLinearChoice)k;
-  return second;
+  return cost[second] < INFINITY ? second : best;
+}
+
+bool lth_step_has_other_way(LthSimulation *s) {
+  if (s->own || s->options.linear != LTH_LINEAR_AUTO) return false;
+  s->stale = true;
+  if (s->solver != LTH_LINEAR_PCG && s->age > 1) return true; // it was kept, and is made anew
+  double *cost = s->cost[s->contact_on];
+  cost[s->solver] = INFINITY;
+  return cost[cheapest(s, s->factor && !s->no_lag)] < INFINITY;
 }
 
 static LitheStatus choose_dynamic(LitheCtx *ctx, LthSimulation *s) {

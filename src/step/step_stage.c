@@ -77,11 +77,23 @@ static LitheStatus linearize(LitheCtx *ctx, LthSimulation *s) {
   return LITHE_OK;
 }
 
-static LitheStatus solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
+static LitheStatus solve_as_chosen(LitheCtx *ctx, LthSimulation *s, double tolerance) {
   LITHE_TRY(lth_step_choose(ctx, s, false));
   LITHE_TRY(lth_step_factor_lagged(ctx, s, s->stage.H));
   LITHE_TRY(lth_step_solve(ctx, s, tolerance));
   lth_step_tally(s);
+  return LITHE_OK;
+}
+
+/// Where what `auto` took does not come to the tolerance - conjugate gradients beside thin pieces, which a step's mass holds
+/// little - another solver goes on from there.
+static LitheStatus solve(LitheCtx *ctx, LthSimulation *s, double tolerance) {
+  const bool before = s->report.converged;
+  LITHE_TRY(solve_as_chosen(ctx, s, tolerance));
+  while (before && !s->report.converged && lth_step_has_other_way(s)) {
+    s->report.converged = true;
+    LITHE_TRY(solve_as_chosen(ctx, s, tolerance));
+  }
   s->report.newton_iterations++;
   return LITHE_OK;
 }

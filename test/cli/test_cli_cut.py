@@ -99,6 +99,13 @@ with folder() as d:
     expect("and_at_the_start_it_is_an_error", first.returncode == 2 and "selects nothing" in first.stderr, first.stderr)
 
 with folder() as d:
+    lying = CUBE.replace("CUT", "{plane: {point: [0, 0.5, 0], normal: [0, 1, 0]}, space: rest}")
+    lying = lying.replace("[0, -1, 0]", "[0.1, -1, 0]")
+    slides = solve(d, lying)[0]
+    expect("a_piece_that_may_slide_has_no_equilibrium", slides.returncode == 3 and "contact.friction" in slides.stderr, slides.stderr)
+    expect("and_friction_holds_it", solve(d, lying, "--set", "contact.friction=0.3")[0].returncode == 0)
+
+with folder() as d:
     got, result = solve(d, DROP)
     notes = result["topology"]
     expect("every_cut_is_told", [n["cut"] for n in notes] == [0, 1, 2] and not any(n["missed"] for n in notes), notes)

@@ -231,6 +231,7 @@ static void missed_tolerance_is_told(void **state) {
   (void)state;
   LthStepOptions options = lth_step_options_default();
   options.max_iterations = 2;
+  options.linear = LTH_LINEAR_PCG;
   Beam b;
   beam_create(
       &b,
@@ -240,6 +241,24 @@ static void missed_tolerance_is_told(void **state) {
   assert_false(r->converged);
   assert_int_equal(r->linear_iterations, 2);
   CHECK_AT_LEAST(r->residual, options.tolerance);
+  beam_destroy(&b);
+}
+
+static void automatic_steps_take_another_solver_where_gradients_miss(void **state) {
+  (void)state;
+  LthStepOptions options = lth_step_options_default();
+  options.max_iterations = 2;
+  Beam b;
+  beam_create(
+      &b,
+      (BeamDef){.cells = {8, 2, 2}, .clamp_weak = true, .gravity = {0, 0, -5}, .options = options});
+  for (int i = 0; i < 20; i++) { // at times the second best solver is tried again
+    steps(&b, 1, 0.1);
+    const LthStepReport *r = lth_simulation_report(b.sim);
+    assert_true(r->converged);
+    CHECK_AT_MOST(r->residual, options.tolerance);
+    assert_string_not_equal(r->linear, "pcg");
+  }
   beam_destroy(&b);
 }
 
@@ -256,6 +275,7 @@ int main(void) {
       cmocka_unit_test(cholesky_and_pcg_take_the_same_steps),
       cmocka_unit_test(bad_steps_are_refused),
       cmocka_unit_test(missed_tolerance_is_told),
+      cmocka_unit_test(automatic_steps_take_another_solver_where_gradients_miss),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
