@@ -192,15 +192,32 @@ done:
   return status;
 }
 
+/// Boxes of the places where ways pass, which are a little beside the edges.
+static LitheStatus make_edge_tree(LitheCtx *ctx, LthVisibility *v) {
+  double *box = NULL;
+  LTH_NEW(ctx, box, 6 * (LitheCount)v->n_edges);
+  for (LitheIndex i = 0; i < v->n_edges; i++)
+    for (int a = 0; a < 3; a++) {
+      const LthWayEdge *e = v->edges + i;
+      box[6 * (size_t)i + a] = fmin(e->end[0][a], e->end[1][a]) + e->away[a];
+      box[6 * (size_t)i + 3 + a] = fmax(e->end[0][a], e->end[1][a]) + e->away[a];
+    }
+  LitheStatus status = lth_bvh_create_boxes(ctx, v->n_edges, box, &v->edge_bvh);
+  lth_free(ctx, box);
+  return status;
+}
+
 LitheStatus lth_visibility_create(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *v) {
   LITHE_TRY(lth_visibility_find_edges(ctx, mesh, v));
   LitheStatus status = v->n_fronts > 0 ? make_tree(ctx, mesh, v) : LITHE_OK;
+  if (status == LITHE_OK && v->n_fronts > 0) status = make_edge_tree(ctx, v);
   if (status != LITHE_OK) lth_visibility_free(ctx, v);
   return status;
 }
 
 void lth_visibility_free(LitheCtx *ctx, LthVisibility *v) {
   lth_bvh_destroy(ctx, &v->bvh);
+  lth_bvh_destroy(ctx, &v->edge_bvh);
   lth_free(ctx, v->tri);
   lth_free(ctx, v->edges);
   *v = (LthVisibility){0};
@@ -301,17 +318,41 @@ typedef struct Passage {
   double length, at[3];
 } Passage;
 
+static int insert_passage(Passage list[WAYS], int n, const Passage *p) {
+  int k = n < WAYS ? n++ : WAYS - 1;
+  for (; k > 0 && list[k - 1].length > p->length; k--) list[k] = list[k - 1];
+  list[k] = *p;
+  return n;
+}
+
+/// A way through a box is no shorter than from both ends to it.
+static bool may_be_shorter(const double box[6], const double a[3], const double b[3],
+                           double limit) {
+  return sqrt(lth_box_distance2(box, a)) + sqrt(lth_box_distance2(box, b)) < limit;
+}
+
 /// The shortest of the ways over one edge that are shorter than `limit`, whether they are hidden or not, in order.
 static int list_passages(const LthVisibility *v, const double a[3], const double b[3], double limit,
                          Passage list[WAYS]) {
+  const LthBvh *tree = v->edge_bvh;
+  LitheIndex waiting[STACK], n_waiting = 0;
   int n = 0;
-  for (LitheIndex i = 0; i < v->n_edges; i++) {
-    Passage p;
-    p.length = find_passage(v->edges + i, a, b, p.at);
-    if (!(p.length < (n < WAYS ? limit : list[WAYS - 1].length))) continue;
-    int k = n < WAYS ? n++ : WAYS - 1;
-    for (; k > 0 && list[k - 1].length > p.length; k--) list[k] = list[k - 1];
-    list[k] = p;
+  if (tree->n_nodes > 0) waiting[n_waiting++] = 0;
+  while (n_waiting > 0) {
+    const LitheIndex node = waiting[--n_waiting];
+    const double *box = tree->box + 6 * (size_t)node;
+    if (!may_be_shorter(box, a, b, n < WAYS ? limit : list[WAYS - 1].length)) continue;
+    if (tree->right[node] >= 0) {
+      LITHE_ASSERT(n_waiting + 2 <= STACK);
+      waiting[n_waiting++] = tree->right[node];
+      waiting[n_waiting++] = node + 1;
+      continue;
+    }
+    for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
+      Passage p;
+      p.length = find_passage(v->edges + tree->item[i], a, b, p.at);
+      if (p.length < (n < WAYS ? limit : list[WAYS - 1].length)) n = insert_passage(list, n, &p);
+    }
   }
   return n;
 }

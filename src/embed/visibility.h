@@ -18,6 +18,7 @@ typedef struct LthVisibility {
   double *tri;       ///< corners of cut faces' triangles [m]             (n_tris x 9)
   LthBvh *bvh;       ///< over them
   LthWayEdge *edges; ///< those of fronts first
+  LthBvh *edge_bvh;  ///< over them
   LitheIndex n_fronts;
   LitheCount cap_tri, cap_edges;
 } LthVisibility;
