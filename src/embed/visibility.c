@@ -5,6 +5,7 @@
 #include "base/tensor.h"
 #include "geometry/face_polygon.h"
 #include "geometry/polygon.h"
+#include "mesh/cut_edges.h"
 #include "mesh/topology.h"
 
 #include <stdlib.h>
@@ -23,64 +24,16 @@
 
 // ------------------------------------------------------------------ fronts
 
-/// An edge of a boundary face, low < high.
-typedef struct FaceEdge {
-  LitheIndex low, high, face;
-} FaceEdge;
-
-static int compare_edges(const void *a, const void *b) {
-  const FaceEdge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  if (p->high != q->high) return p->high < q->high ? -1 : 1;
-  return (p->face > q->face) - (p->face < q->face);
-}
-
-static bool is_cut(const LthMesh *m, LitheIndex face) {
-  return m->face_cell[2 * (size_t)face + 1] < 0 && m->face_tag[face] <= LTH_TAG_CUT;
-}
-
-/// Points of cut faces.
-static bool mark_points(const LthMesh *m, bool *is_at_cut) {
-  bool any = false;
-  for (LitheIndex f = 0; f < m->n_faces; f++) {
-    if (!is_cut(m, f)) continue;
-    any = true;
-    LthFaceView v = lth_mesh_face(m, f);
-    for (LitheIndex k = v.loop_off[0]; k < v.loop_off[v.n_loops]; k++)
-      is_at_cut[v.loop_point[k]] = true;
-  }
-  return any;
-}
-
-static LitheStatus list_edges(LitheCtx *ctx, const LthMesh *m, const bool *is_at_cut,
-                              FaceEdge **edges, LitheCount *n) {
-  LitheCount cap = 0;
-  for (LitheIndex f = 0; f < m->n_faces; f++) {
-    if (m->face_cell[2 * (size_t)f + 1] >= 0) continue;
-    LthFaceView v = lth_mesh_face(m, f);
-    for (LitheIndex l = 0; l < v.n_loops; l++)
-      for (LitheIndex k = v.loop_off[l]; k < v.loop_off[l + 1]; k++) {
-        LitheIndex p = v.loop_point[k],
-                   q = v.loop_point[k + 1 < v.loop_off[l + 1] ? k + 1 : v.loop_off[l]];
-        if (!is_at_cut[p] || !is_at_cut[q]) continue;
-        LTH_RESERVE(ctx, *edges, cap, *n + 1);
-        (*edges)[(*n)++] = (FaceEdge){p < q ? p : q, p < q ? q : p, f};
-      }
-  }
-  if (*n > 0) qsort(*edges, (size_t)*n, sizeof **edges, compare_edges);
-  return LITHE_OK;
-}
-
 /// A front has one pair of faces that look at each other, a bend several faces in different planes; edges that other boundary
 /// faces have are where a cut comes to the surface.
-static bool is_way_edge(const LthMesh *m, const FaceEdge *edge, LitheCount n, bool *is_front) {
+static bool is_way_edge(const LthMesh *m, const LthCutEdge *edge, LitheCount n, bool *is_front) {
   const double *first = m->face_normal + 3 * (size_t)edge[0].face;
   double least = 1, most = -1;
   bool is_narrow = false;
   double length =
       lth_v3_distance(m->points + 3 * (size_t)edge->low, m->points + 3 * (size_t)edge->high);
   for (LitheCount i = 0; i < n; i++) {
-    if (!is_cut(m, edge[i].face)) return false;
+    if (!lth_is_cut_face(m, edge[i].face)) return false;
     is_narrow = is_narrow || m->face_area[edge[i].face] < NARROW * m->cell_size * length;
     double along = lth_v3_dot(first, m->face_normal + 3 * (size_t)edge[i].face);
     if (fabs(along) < least) least = fabs(along);
@@ -90,7 +43,7 @@ static bool is_way_edge(const LthMesh *m, const FaceEdge *edge, LitheCount n, bo
   return *is_front || (n == 4 && !is_narrow && least < sqrt(1 - TURN * TURN));
 }
 
-static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const FaceEdge *edge, LitheCount n,
+static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *edge, LitheCount n,
                             LthVisibility *v) {
   double middle[3], d[3] = {0, 0, 0};
   LTH_RESERVE(ctx, v->edges, v->cap_edges, (LitheCount)v->n_edges + 1);
@@ -112,8 +65,8 @@ static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const FaceEdge *edg
 }
 
 /// Fronts first, then bends; no bends where there is no front.
-static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const FaceEdge *edges, LitheCount n,
-                              LthVisibility *v) {
+static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *edges,
+                              LitheCount n, LthVisibility *v) {
   for (int pass = 0; pass < 2; pass++) {
     for (LitheCount i = 0, end; i < n; i = end) {
       bool is_front = false;
@@ -159,7 +112,7 @@ static LitheStatus make_tree(LitheCtx *ctx, const LthMesh *m, LthVisibility *v) 
   LthPolygonWork work = {0};
   double *box = NULL;
   for (LitheIndex f = 0; f < m->n_faces; f++)
-    if (is_cut(m, f)) LITHE_TRY_OR(done, add_triangles(ctx, m, f, &list, &work, v));
+    if (lth_is_cut_face(m, f)) LITHE_TRY_OR(done, add_triangles(ctx, m, f, &list, &work, v));
   LTH_NEW_OR(done, ctx, box, 6 * (LitheCount)v->n_tris);
   for (LitheIndex i = 0; i < v->n_tris; i++)
     for (int a = 0; a < 3; a++) {
@@ -176,17 +129,11 @@ done:
 }
 
 LitheStatus lth_visibility_find_edges(LitheCtx *ctx, const LthMesh *mesh, LthVisibility *v) {
-  LitheStatus status = LITHE_OK;
-  bool *is_at_cut = NULL;
-  FaceEdge *edges = NULL;
+  LthCutEdge *edges = NULL;
   LitheCount n = 0;
   *v = (LthVisibility){0};
-  LTH_NEW_OR(done, ctx, is_at_cut, mesh->n_points);
-  if (!mark_points(mesh, is_at_cut)) goto done;
-  LITHE_TRY_OR(done, list_edges(ctx, mesh, is_at_cut, &edges, &n));
-  LITHE_TRY_OR(done, find_edges(ctx, mesh, edges, n, v));
-done:
-  lth_free(ctx, is_at_cut);
+  LitheStatus status = lth_list_cut_edges(ctx, mesh, true, &edges, &n);
+  if (status == LITHE_OK) status = find_edges(ctx, mesh, edges, n, v);
   lth_free(ctx, edges);
   if (status != LITHE_OK) lth_visibility_free(ctx, v);
   return status;

@@ -111,8 +111,7 @@ LitheCount lth_sparse_grid_step(const LthSparseGrid *g, LitheCount slot, const i
   const int x = (local & mask) + d[0], y = (local >> bits & mask) + d[1],
             z = g->dim == 3 ? (local >> (2 * bits)) + d[2] : 0;
   if (g->dim == 2 && d[2] != 0) return -1;
-  if (((x | y | z) & ~mask) == 0)
-    return slot + d[0] + d[1] * side + d[2] * side * side;
+  if (((x | y | z) & ~mask) == 0) return slot + d[0] + d[1] * side + d[2] * side * side;
   const int dx = x < 0 ? -1 : x >= side, dy = y < 0 ? -1 : y >= side, dz = z < 0 ? -1 : z >= side;
   const LitheCount block = slot >> in_block;
   const LitheIndex to =

@@ -6,6 +6,7 @@
 #include "base/tensor.h"
 #include "embed/visibility.h"
 #include "geometry/bvh.h"
+#include "mesh/cut_edges.h"
 #include "mesh/topology.h"
 
 #include <stdlib.h>
@@ -113,52 +114,8 @@ static LitheStatus unite_corners(LitheCtx *ctx, LthCracks *c, const LitheIndex *
 
 // --- sheets ---
 
-/// An edge of a face, low < high.
-typedef struct FaceEdge {
-  LitheIndex low, high, face;
-} FaceEdge;
-
-static int compare_edges(const void *a, const void *b) {
-  const FaceEdge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  if (p->high != q->high) return p->high < q->high ? -1 : 1;
-  return (p->face > q->face) - (p->face < q->face);
-}
-
-static bool is_cut(const LthMesh *m, LitheIndex face) {
-  return m->face_cell[2 * (size_t)face + 1] < 0 && m->face_tag[face] <= LTH_TAG_CUT;
-}
-
-/// Edges between points of cut faces, of all faces that have them.
-static LitheStatus list_edges(LitheCtx *ctx, const LthMesh *m, FaceEdge **edges, LitheCount *n) {
-  LitheStatus status = LITHE_OK;
-  LitheCount cap = 0;
-  bool *is_at_cut = NULL;
-  LTH_NEW_OR(done, ctx, is_at_cut, m->n_points);
-  for (LitheIndex f = 0; f < m->n_faces; f++) {
-    LthFaceView v = lth_mesh_face(m, f);
-    for (LitheIndex k = v.loop_off[0]; is_cut(m, f) && k < v.loop_off[v.n_loops]; k++)
-      is_at_cut[v.loop_point[k]] = true;
-  }
-  for (LitheIndex f = 0; f < m->n_faces; f++) {
-    LthFaceView v = lth_mesh_face(m, f);
-    for (LitheIndex l = 0; l < v.n_loops; l++)
-      for (LitheIndex k = v.loop_off[l]; k < v.loop_off[l + 1]; k++) {
-        LitheIndex p = v.loop_point[k],
-                   q = v.loop_point[k + 1 < v.loop_off[l + 1] ? k + 1 : v.loop_off[l]];
-        if (!is_at_cut[p] || !is_at_cut[q]) continue;
-        LTH_RESERVE_OR(done, ctx, *edges, cap, *n + 1);
-        (*edges)[(*n)++] = (FaceEdge){p < q ? p : q, p < q ? q : p, f};
-      }
-  }
-  if (*n > 0) qsort(*edges, (size_t)*n, sizeof **edges, compare_edges);
-done:
-  lth_free(ctx, is_at_cut);
-  return status;
-}
-
 /// The boundary face that ends the walk through cells around an edge from a boundary face; -1 where it leads nowhere.
-static LitheIndex walk_around(const LthMesh *m, const FaceEdge *edge, LitheCount n,
+static LitheIndex walk_around(const LthMesh *m, const LthCutEdge *edge, LitheCount n,
                               LitheIndex from) {
   LitheIndex face = from, cell = m->face_cell[2 * (size_t)from];
   for (LitheCount steps = 0; steps < n; steps++) {
@@ -177,10 +134,11 @@ static LitheIndex walk_around(const LthMesh *m, const FaceEdge *edge, LitheCount
 }
 
 /// Faces of one cut that meet in an edge of one piece of solid are of one sheet, but at a front.
-static void unite_around(const LthMesh *m, const FaceEdge *edge, LitheCount n, LitheIndex *sheet) {
+static void unite_around(const LthMesh *m, const LthCutEdge *edge, LitheCount n,
+                         LitheIndex *sheet) {
   for (LitheCount i = 0; i < n; i++) {
     const LitheIndex face = edge[i].face;
-    if (!is_cut(m, face)) continue;
+    if (!lth_is_cut_face(m, face)) continue;
     const LitheIndex other = walk_around(m, edge, n, face);
     if (other < 0 || m->face_tag[other] != m->face_tag[face]) continue;
     double along =
@@ -192,18 +150,18 @@ static void unite_around(const LthMesh *m, const FaceEdge *edge, LitheCount n, L
 static LitheStatus find_sheets(LitheCtx *ctx, LthCracks *c) {
   const LthMesh *m = c->mesh;
   LitheStatus status = LITHE_OK;
-  FaceEdge *edges = NULL;
+  LthCutEdge *edges = NULL;
   LitheCount n = 0;
   LTH_NEW_OR(done, ctx, c->sheet, m->n_faces);
   lth_sets_reset(c->sheet, m->n_faces);
-  LITHE_TRY_OR(done, list_edges(ctx, m, &edges, &n));
+  LITHE_TRY_OR(done, lth_list_cut_edges(ctx, m, false, &edges, &n));
   for (LitheCount i = 0, end; i < n; i = end) {
     for (end = i; end < n && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
       end++;
     unite_around(m, edges + i, end - i, c->sheet);
   }
   for (LitheIndex f = 0; f < m->n_faces; f++)
-    c->sheet[f] = is_cut(m, f) ? lth_sets_root(c->sheet, f) : -1; // roots are lowest
+    c->sheet[f] = lth_is_cut_face(m, f) ? lth_sets_root(c->sheet, f) : -1; // roots are lowest
 done:
   lth_free(ctx, edges);
   return status;
@@ -243,7 +201,7 @@ static bool is_opposite(const void *self, LitheIndex tri) {
   const Opposite *o = self;
   const LitheIndex mine = o->surface->tri_poly[o->tri], other = o->surface->tri_poly[tri];
   const LthMesh *m = o->cracks->mesh;
-  if (!is_cut(m, other) || m->face_tag[other] != m->face_tag[mine]) return false;
+  if (!lth_is_cut_face(m, other) || m->face_tag[other] != m->face_tag[mine]) return false;
   if (o->cracks->sheet[other] == o->cracks->sheet[mine]) return false;
   return lth_v3_dot(o->bvh->tri_normal + 3 * (size_t)o->tri, o->bvh->tri_normal + 3 * (size_t)tri) <
          -FACING;

@@ -1,27 +1,17 @@
 /// Blades that bend: what they cut at rest, in closed form, and in a body that is not at rest. There elements take the blade back to
 /// rest each by its own map; what is on two sides of it comes apart all the same, and no more.
 #include "base/tensor.h"
+#include "cut_cube.h"
 #include "mesh/topology.h"
-#include "scene/cut.h"
-#include "scene_text.h"
 
 #include <math.h>
 
 #define ROUNDING 1e-11 ///< of an area of the unit cube: sums over a few hundred faces
 #define PLACE 300
 
-typedef struct Cut {
-  Reading reading;
-  LthWorld *world;
-  const LthTopology *t;
-  LthChangeNote note;
-} Cut;
-
 /// A cube that has moved by `displacement` and been cut by a blade; `sliver` 0 merges nothing.
 static Cut make(int degree, int cells, const char *displacement, const char *path) {
   char text[1500];
-  double times[2];
-  bool changed = false;
   int n = snprintf(
       text, sizeof text,
       "lithe: 1\nbodies:\n  - name: cube\n    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}\n"
@@ -32,19 +22,7 @@ static Cut make(int degree, int cells, const char *displacement, const char *pat
       "time: {kind: dynamic, duration: 1, step: 0.1}\n",
       cells, degree, displacement, path);
   assert_true(n < (int)sizeof text);
-  Cut c = {.reading = read_good(text)};
-  CHECK_OK(c.reading.ctx, lth_world_create(c.reading.ctx, c.reading.scene, times, &c.world));
-  CHECK_OK(c.reading.ctx, lth_world_cut_due(c.reading.ctx, c.world, 0.1, &changed));
-  assert_true(changed);
-  assert_int_equal(c.world->n_notes, 1);
-  c.t = c.world->bodies[0]->change->topology;
-  c.note = c.world->notes[0];
-  return c;
-}
-
-static void end(Cut *c) {
-  lth_world_destroy(c->reading.ctx, &c->world);
-  end_reading(&c->reading);
+  return cut_made(text, 0.1);
 }
 
 /// Both sides of a cut have its area, and every element is closed.

@@ -1,9 +1,8 @@
 /// Where blades end and where they bend: the elements that a facet reaches, no more and no less, and parts of a bent cut whose volumes
 /// are known in closed form.
 #include "base/tensor.h"
+#include "cut_cube.h"
 #include "mesh/topology.h"
-#include "scene/cut.h"
-#include "scene_text.h"
 
 #include <math.h>
 
@@ -13,17 +12,8 @@
 /// A corner of the path: x, y.
 typedef double Corner[2];
 
-/// A cube that a blade has cut.
-typedef struct Cut {
-  Reading reading;
-  LthWorld *world;
-  const LthTopology *t;
-  LthChangeNote note;
-} Cut;
-
 static Cut make(int cells, const char *blade) {
   char text[1000];
-  double times[2];
   int n = snprintf(
       text, sizeof text,
       "lithe: 1\nbodies:\n  - name: cube\n    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}\n"
@@ -33,17 +23,7 @@ static Cut make(int cells, const char *blade) {
       "0.1}\n",
       cells, blade);
   assert_true(n < (int)sizeof text);
-  Cut c = {.reading = read_good(text)};
-  CHECK_OK(c.reading.ctx, lth_world_create(c.reading.ctx, c.reading.scene, times, &c.world));
-  c.t = c.world->bodies[0]->change->topology;
-  assert_int_equal(c.world->n_notes, 1);
-  c.note = c.world->notes[0];
-  return c;
-}
-
-static void end(Cut *c) {
-  lth_world_destroy(c->reading.ctx, &c->world);
-  end_reading(&c->reading);
+  return cut_made(text, 0);
 }
 
 // --- ends ---
