@@ -13,8 +13,7 @@
 typedef struct CellNodes {
   const LthBody *body;
   double center[3];
-  double lost
-      [6]; ///< area of the cell's sides that the neighbours do not have, low and high of each axis [m^2]
+  double lost[6]; ///< of the sides, low and high of each axis, what neighbours do not have [m^2]
   LthFoot foot;
   bool has_foot;
 } CellNodes;

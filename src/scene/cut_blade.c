@@ -68,6 +68,13 @@ static LthCutFacet make_facet(const LthSceneCut *cut, LitheIndex i) {
 
 // --- sides ---
 
+/// Height of a place above a plane.
+static double height_of(const LthPlane *plane, const double x[3]) {
+  double d[3];
+  lth_v3_sub(x, plane->point, d);
+  return lth_v3_dot(d, plane->normal);
+}
+
 /// Lowest and highest corner of a cell above a plane at rest.
 static void find_heights(const LthTopology *t, LitheIndex cell, const LthPlane *plane,
                          double height[2]) {
@@ -75,19 +82,10 @@ static void find_heights(const LthTopology *t, LitheIndex cell, const LthPlane *
   for (LitheIndex i = 0; i < t->cells[cell].n_faces; i++) {
     LthFaceView v = lth_topology_face(t, lth_topology_cell_faces(t, cell)[i]);
     for (LitheIndex k = v.loop_off[0]; k < v.loop_off[v.n_loops]; k++) {
-      double d[3];
-      lth_v3_sub(v.points + 3 * (LitheCount)v.loop_point[k], plane->point, d);
-      double h = lth_v3_dot(d, plane->normal);
+      double h = height_of(plane, v.points + 3 * (LitheCount)v.loop_point[k]);
       height[0] = fmin(height[0], h), height[1] = fmax(height[1], h);
     }
   }
-}
-
-/// Height of a place above a plane.
-static double height_of(const LthPlane *plane, const double x[3]) {
-  double d[3];
-  lth_v3_sub(x, plane->point, d);
-  return lth_v3_dot(d, plane->normal);
 }
 
 /// On which side of a plane of the moment a whole cell is: -1, 1; 0: the plane passes it.

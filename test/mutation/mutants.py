@@ -231,7 +231,7 @@ MUTANTS = {
     ],
     "live matrix": [
         ("neighbours of births", "disc/dg/dg_live.c", "LITHE_TRY(list_neighbours(ctx, live, live->list[i], true));", "LITHE_TRY(list_neighbours(ctx, live, live->list[i], false));"),
-        ("stale blocks of pairs", "disc/dg/dg_live.c", "block->is_stale = block->is_stale || block->made_of != made_of;", "block->is_stale = block->is_stale && block->made_of != made_of;"),
+        ("stale blocks of pairs", "disc/dg/dg_live_rows.c", "block->is_stale = block->is_stale || block->made_of != made_of;", "block->is_stale = block->is_stale && block->made_of != made_of;"),
         ("stale diagonal blocks", "disc/dg/dg_live.c", "if (!block->is_stale && block->made_of == made_of) return 0;", "if (!block->is_stale) return 0;"),
         ("blocks that go", "disc/dg/dg_live_rows.c", "if (block.col == row || block.seen == seen)", "if (block.col == row || block.seen == seen || block.seen + 1 == seen)"),
         ("loads of the dead", "disc/dg/dg_live_rows.c", "memset(m->load + 3 * (size_t)r->func, 0, 3 * sizeof(double) * (size_t)r->nb);", "(void)m->load;"),

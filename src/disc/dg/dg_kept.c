@@ -45,30 +45,6 @@ static LitheStatus open_row(LitheCtx *ctx, const Follow *f, LitheIndex cell) {
   return lth_dg_live_rows_open(ctx, m, record, nb);
 }
 
-/// Both blocks of the pair beyond own face i of an element.
-static LitheStatus place_pair(LitheCtx *ctx, const Follow *f, LitheIndex i) {
-  LthDgLiveRows *m = &f->kept->rows;
-  const LthDgFace *face = f->op->faces + i;
-  LitheIndex a = f->records->cell[face->cell[0]], b = f->records->cell[face->cell[1]];
-  uint64_t made_of = lth_dg_store_pair_digest(f->records, f->op, i);
-  for (int side = 0; side < 2; side++) {
-    LitheIndex row = side ? b : a, col = side ? a : b;
-    LITHE_TRY(lth_dg_live_rows_fit(ctx, m, row, col));
-    LthDgLiveBlock *block = lth_dg_live_rows_find(m, row, col);
-    block->seen = f->kept->turn;
-    block->is_stale = block->is_stale || block->made_of != made_of;
-    block->made_of = made_of;
-  }
-  return LITHE_OK;
-}
-
-/// First own face of a cell with another neighbour than face i.
-static LitheIndex next_pair(const LthDgOperator *op, LitheIndex i) {
-  LitheIndex other = op->faces[i].cell[1], end = op->own_face_off[op->faces[i].cell[0] + 1];
-  while (i < end && op->faces[i].cell[1] == other) i++;
-  return i;
-}
-
 /// The pattern. Where a pair has changed both its elements are touched, for their matrices are made of its faces too.
 static LitheStatus place_rows(LitheCtx *ctx, const Follow *f, const LthTopology *t) {
   LthDgLiveRows *m = &f->kept->rows;
@@ -79,8 +55,9 @@ static LitheStatus place_rows(LitheCtx *ctx, const Follow *f, const LthTopology 
     if ((f->touched[c] = is_touched(f, c))) LITHE_TRY(open_row(ctx, f, c));
   for (LitheIndex c = 0; c < n; c++)
     for (LitheIndex i = f->op->own_face_off[c]; i < f->op->own_face_off[c + 1];
-         i = next_pair(f->op, i))
-      if (f->touched[c] || f->touched[f->op->faces[i].cell[1]]) LITHE_TRY(place_pair(ctx, f, i));
+         i = lth_dg_next_pair(f->op, i))
+      if (f->touched[c] || f->touched[f->op->faces[i].cell[1]])
+        LITHE_TRY(lth_dg_live_rows_place(ctx, m, f->records, f->op, i, f->kept->turn));
   for (LitheIndex c = 0; c < n; c++)
     if (f->touched[c]) LITHE_TRY(lth_dg_live_rows_drop(ctx, m, f->records->cell[c], f->kept->turn));
   return lth_dg_live_rows_grow(ctx, m);
@@ -114,7 +91,7 @@ static LitheCount write_rows(LitheCtx *ctx, const Follow *f) {
   for (LitheIndex c = 0; c < f->op->space->n_cells; c++) {
     if (f->touched[c]) n += write_diagonal(f, c);
     for (LitheIndex i = f->op->own_face_off[c]; i < f->op->own_face_off[c + 1];
-         i = next_pair(f->op, i))
+         i = lth_dg_next_pair(f->op, i))
       if (f->touched[c] || f->touched[f->op->faces[i].cell[1]]) n += write_pair(f, i);
   }
   return n;

@@ -133,30 +133,6 @@ static LitheStatus integrate(LitheCtx *ctx, const LthDgLive *live, Patch *p) {
 
 // --- assembly ---
 
-/// Open the rows of the touched, and see to it that a pair of cells has its two blocks.
-static LitheStatus place_pair(LitheCtx *ctx, LthDgLive *live, const Patch *p, LitheIndex f) {
-  LthDgLiveRows *m = &live->matrix;
-  const LthDgFace *face = p->op->faces + f;
-  LitheIndex a = p->cell[face->cell[0]], b = p->cell[face->cell[1]];
-  uint64_t made_of = lth_dg_store_pair_digest(&p->records, p->op, f);
-  for (int side = 0; side < 2; side++) {
-    LitheIndex row = side ? b : a, col = side ? a : b;
-    if (!lth_dg_live_rows_find(m, row, col)) LITHE_TRY(lth_dg_live_rows_add(ctx, m, row, col));
-    LthDgLiveBlock *block = lth_dg_live_rows_find(m, row, col);
-    block->seen = live->stamp;
-    block->is_stale = block->is_stale || block->made_of != made_of;
-    block->made_of = made_of;
-  }
-  return LITHE_OK;
-}
-
-/// First own face of a cell with another neighbour than face f.
-static LitheIndex next_pair(const LthDgOperator *op, LitheIndex f) {
-  LitheIndex other = op->faces[f].cell[1], end = op->own_face_off[op->faces[f].cell[0] + 1];
-  while (f < end && op->faces[f].cell[1] == other) f++;
-  return f;
-}
-
 /// The pattern: rows of the dead go, those of the touched become what their faces say.
 static LitheStatus place_rows(LitheCtx *ctx, LthDgLive *live, const Patch *p) {
   LthDgLiveRows *m = &live->matrix;
@@ -166,9 +142,9 @@ static LitheStatus place_rows(LitheCtx *ctx, LthDgLive *live, const Patch *p) {
   for (LitheIndex c = 0; c < p->mesh->n_cells; c++)
     if (!p->is_rim[c])
       LITHE_TRY(lth_dg_live_rows_open(ctx, m, p->cell[c], lth_dg_funcs(p->space, c)));
-  for (LitheIndex f = 0; f < p->op->n_faces; f = next_pair(p->op, f))
+  for (LitheIndex f = 0; f < p->op->n_faces; f = lth_dg_next_pair(p->op, f))
     if (!p->is_rim[p->op->faces[f].cell[0]] || !p->is_rim[p->op->faces[f].cell[1]])
-      LITHE_TRY(place_pair(ctx, live, p, f));
+      LITHE_TRY(lth_dg_live_rows_place(ctx, m, &p->records, p->op, f, live->stamp));
   for (LitheIndex c = 0; c < p->mesh->n_cells; c++)
     if (!p->is_rim[c]) LITHE_TRY(lth_dg_live_rows_drop(ctx, m, p->cell[c], live->stamp));
   return lth_dg_live_rows_grow(ctx, m);
@@ -208,7 +184,7 @@ static LitheStatus assemble(LitheCtx *ctx, LthDgLive *live, const Patch *p, doub
   for (LitheIndex c = 0; c < p->mesh->n_cells; c++) {
     if (!p->is_rim[c]) written += write_cell(live, p, c, t);
     LitheIndex end = p->op->own_face_off[c + 1];
-    for (LitheIndex f = p->op->own_face_off[c]; f < end; f = next_pair(p->op, f))
+    for (LitheIndex f = p->op->own_face_off[c]; f < end; f = lth_dg_next_pair(p->op, f))
       written += write_pair(live, p, f);
   }
   *n = written;

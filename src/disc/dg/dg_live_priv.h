@@ -46,6 +46,12 @@ LthDgLiveBlock *lth_dg_live_rows_find(const LthDgLiveRows *m, LitheIndex row, Li
 LitheStatus lth_dg_live_rows_add(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, LitheIndex col);
 /// A block of two open rows, of the size that their functions ask for now: the one that is there, or a stale one.
 LitheStatus lth_dg_live_rows_fit(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, LitheIndex col);
+/// See to it that a pair of cells with open rows has its two blocks, which are `seen` then, and stale where what they are made of
+/// has changed. `face`: the first that the two share.
+LitheStatus lth_dg_live_rows_place(LitheCtx *ctx, LthDgLiveRows *m, const LthDgRecords *records,
+                                   const LthDgOperator *op, LitheIndex face, uint32_t seen);
+/// First own face of a cell with another neighbour than the given one.
+LitheIndex lth_dg_next_pair(const LthDgOperator *op, LitheIndex face);
 /// Take blocks that were not seen out of a row; the diagonal stays.
 LitheStatus lth_dg_live_rows_drop(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row, uint32_t seen);
 /// Memory for all blocks that were added.

@@ -59,6 +59,27 @@ LitheStatus lth_dg_live_rows_fit(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex row
   return LITHE_OK;
 }
 
+LitheStatus lth_dg_live_rows_place(LitheCtx *ctx, LthDgLiveRows *m, const LthDgRecords *records,
+                                   const LthDgOperator *op, LitheIndex face, uint32_t seen) {
+  const LitheIndex *cell = op->faces[face].cell;
+  const LitheIndex record[2] = {records->cell[cell[0]], records->cell[cell[1]]};
+  const uint64_t made_of = lth_dg_store_pair_digest(records, op, face);
+  for (int side = 0; side < 2; side++) {
+    LITHE_TRY(lth_dg_live_rows_fit(ctx, m, record[side], record[!side]));
+    LthDgLiveBlock *block = lth_dg_live_rows_find(m, record[side], record[!side]);
+    block->seen = seen;
+    block->is_stale = block->is_stale || block->made_of != made_of;
+    block->made_of = made_of;
+  }
+  return LITHE_OK;
+}
+
+LitheIndex lth_dg_next_pair(const LthDgOperator *op, LitheIndex face) {
+  LitheIndex other = op->faces[face].cell[1], end = op->own_face_off[op->faces[face].cell[0] + 1];
+  while (face < end && op->faces[face].cell[1] == other) face++;
+  return face;
+}
+
 LitheStatus lth_dg_live_rows_open(LitheCtx *ctx, LthDgLiveRows *m, LitheIndex record,
                                   LitheIndex nb) {
   LTH_RESERVE(ctx, m->rows, m->rows_cap, (LitheCount)record + 1);
