@@ -62,8 +62,9 @@ typedef struct LthPairDef {
 typedef struct LthCrackSides {
   LitheIndex *
       sheet; ///< of each triangle, -1: of none, or at the front    (n_tris); NULL: there is no crack
-  bool
-      *touches; ///< triangles whose places touch others: those that are not near the front (n_tris)
+  uint8_t *
+      touches; ///< places of triangles that touch others: bit k by corner k, bit 3 the middle; not those
+               ///< near the front                               (n_tris)
   LitheIndex *mates; ///< sheets that look at each other, ascending         (n_mates x 2)
   LitheIndex n_mates;
 } LthCrackSides;

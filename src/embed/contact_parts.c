@@ -145,8 +145,11 @@ static void seek_triangle(const LthContact *c, const LthPart *mine, const LthPar
   if (mine == other) seeker.crack = mine->crack, seeker.sheet = mine->crack->sheet[tri];
   lth_v3_copy(mine->bvh->tri_normal + 3 * (size_t)tri, seeker.normal);
   for (LitheIndex i = mine->tri_spot[tri]; i < mine->tri_spot[tri + 1]; i++, hit++) {
+    const LthSpot *spot = &parts->spot[mine->side][i];
     double w[3], x[3] = {0, 0, 0};
-    lth_spot_weights(&parts->spot[mine->side][i], w);
+    hit->tri = -1;
+    if (mine == other && !(mine->crack->touches[tri] >> spot->corner & 1)) continue;
+    lth_spot_weights(spot, w);
     for (int k = 0; k < 3; k++) lth_v3_axpy(w[k], corner(&mine->surface, tri, k), x);
     lth_seek(&seeker, x, reach, depth, hit);
     if (c->look != LTH_LOOK_STEP)

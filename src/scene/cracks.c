@@ -15,7 +15,9 @@
 #define FACING 0.9    ///< minus largest cosine of triangles that lie face to face
 #define TOGETHER 0.02 ///< of a cell: how far apart they may be, for short edges were contracted
 #define FRONT 0.02    ///< of a cell: triangles so near a front are not touched ...
-#define BEFORE 0.5    ///< ... and those so near do not touch: their foot would slip off
+#define BEFORE 0.5    ///< ... and those so near do not touch: their foot would slip off.
+#define SHALLOW                                                                                    \
+  0.5 ///< Of the depth of a sheet that is all near: places so near the front do not touch
 
 static LitheStatus copy_fronts(LitheCtx *ctx, const LthVisibility *v, LthCracks *cracks) {
   cracks->n_fronts = v->n_fronts;
@@ -258,22 +260,67 @@ static double to_segment(const double ends[6], const double x[3]) {
   return lth_v3_norm(d);
 }
 
-/// From the nearest corner of a triangle to the nearest front.
-static double to_front(const LthCracks *c, const LthSurface *s, LitheIndex tri) {
+static double place_to_front(const LthCracks *c, const double x[3]) {
   double least = INFINITY;
   for (LitheIndex i = 0; i < c->n_fronts; i++)
-    for (int k = 0; k < 3; k++)
-      least = fmin(least, to_segment(c->fronts + 6 * (size_t)i, corner_of(s, tri, k)));
+    least = fmin(least, to_segment(c->fronts + 6 * (size_t)i, x));
   return least;
 }
 
-static void mark(const LthCracks *c, const LthSurface *s, LthCrackSides *sides) {
-  for (LitheIndex t = 0; t < s->n_tris; t++) {
-    if (sides->sheet[t] < 0) continue;
-    double d = to_front(c, s, t);
-    sides->touches[t] = d > BEFORE * c->mesh->cell_size;
-    if (d <= FRONT * c->mesh->cell_size) sides->sheet[t] = -1;
+/// How far the corners of a triangle are from the front.
+typedef struct Distance {
+  double corner[3], nearest, farthest;
+} Distance;
+
+static Distance to_front(const LthCracks *c, const LthSurface *s, LitheIndex tri) {
+  Distance d = {.nearest = INFINITY};
+  for (int k = 0; k < 3; k++) {
+    d.corner[k] = place_to_front(c, corner_of(s, tri, k));
+    d.nearest = fmin(d.nearest, d.corner[k]);
+    d.farthest = fmax(d.farthest, d.corner[k]);
   }
+  return d;
+}
+
+/// Of a sheet that is one element deep all triangles reach to the front: their places on its far side touch.
+static uint8_t far_places(const Distance *d, double depth) {
+  uint8_t places = 0;
+  double middle = (d->corner[0] + d->corner[1] + d->corner[2]) / 3;
+  for (int k = 0; k < 3; k++)
+    if (d->corner[k] > SHALLOW * depth) places |= (uint8_t)(1 << k);
+  return places | (uint8_t)(middle > SHALLOW * depth ? 8 : 0);
+}
+
+static LitheStatus mark(LitheCtx *ctx, const LthCracks *c, const LthSurface *s,
+                        LthCrackSides *sides) {
+  const double cell = c->mesh->cell_size;
+  double *depth = NULL; // of each sheet; a deep one has triangles that are not near a front
+  bool *is_deep = NULL;
+  LitheStatus status = LITHE_OK;
+  LTH_NEW_OR(done, ctx, depth, c->mesh->n_faces);
+  LTH_NEW_OR(done, ctx, is_deep, c->mesh->n_faces);
+  for (LitheIndex t = 0; t < s->n_tris; t++) {
+    const LitheIndex sheet = sides->sheet[t];
+    if (sheet < 0) continue;
+    const Distance d = to_front(c, s, t);
+    depth[sheet] = fmax(depth[sheet], d.farthest);
+    is_deep[sheet] |= d.nearest > BEFORE * cell;
+  }
+  for (LitheIndex t = 0; t < s->n_tris; t++) {
+    const LitheIndex sheet = sides->sheet[t];
+    if (sheet < 0) continue;
+    const Distance d = to_front(c, s, t);
+    if (is_deep[sheet]) {
+      sides->touches[t] = d.nearest > BEFORE * cell ? 15 : 0;
+      if (d.nearest <= FRONT * cell) sides->sheet[t] = -1;
+    } else {
+      sides->touches[t] = far_places(&d, depth[sheet]);
+    }
+  }
+done:
+  lth_free(ctx, depth);
+  lth_free(ctx, is_deep);
+  return status;
 }
 
 void lth_crack_sides_free(LitheCtx *ctx, LthCrackSides *sides) {
@@ -297,7 +344,7 @@ LitheStatus lth_cracks_find_sides(LitheCtx *ctx, const LthCracks *cracks, const 
   LITHE_TRY_OR(done, lth_bvh_create_surface(ctx, surface, &bvh));
   Opposite opposite = {.cracks = cracks, .surface = surface, .bvh = bvh};
   LITHE_TRY_OR(done, find_mates(ctx, &opposite, sides));
-  mark(cracks, surface, sides);
+  status = mark(ctx, cracks, surface, sides);
 done:
   lth_bvh_destroy(ctx, &bvh);
   if (status != LITHE_OK || sides->n_mates == 0) lth_crack_sides_free(ctx, sides);

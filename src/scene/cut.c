@@ -157,5 +157,8 @@ LitheStatus lth_world_cut_due(LitheCtx *ctx, LthWorld *world, double end, bool *
   LITHE_TRY(clear_up_all(ctx, world));
   for (LitheIndex b = 0; b < world->n_bodies; b++)
     *changed = *changed || lth_body_has_changed(world->bodies[b]);
-  return *changed ? lth_world_renew(ctx, world) : lth_world_settle_notes(ctx, world);
+  if (!*changed) return lth_world_settle_notes(ctx, world);
+  LITHE_TRY(lth_world_renew(ctx, world));
+  lth_simulation_settle(world->sim);
+  return LITHE_OK;
 }

@@ -3,9 +3,21 @@
 
 #include "base/tensor.h"
 
+#include <math.h>
+
+/// Lengths beyond any body's, whose squares have no double.
+#define FAR 1e100
+
 /// Bodies on other methods have no elements that could be cut.
 static void check_method(LthReader *r, const LthNode *node, LitheIndex body) {
   const LthScene *scene = r->scene;
+  if (scene->dimension == 2) {
+    lth_report(
+        r->report, node,
+        "cuts need method dg, which bodies in the plane do not have; leave `cuts` out, or take "
+        "`dimension: 3`");
+    return;
+  }
   for (LitheIndex b = 0; b < scene->n_bodies; b++) {
     if ((body >= 0 && b != body) || scene->bodies[b].method_kind == LTH_METHOD_DG) continue;
     lth_report(r->report, node,
@@ -43,10 +55,18 @@ static LitheStatus read_plane(LthReader *r, const LthNode *node, LthSceneCut *cu
   return lth_shape_prepare(r->ctx, &cut->within);
 }
 
+static bool is_near(const double x[3]) {
+  return fabs(x[0]) < FAR && fabs(x[1]) < FAR && fabs(x[2]) < FAR;
+}
+
 /// Places that follow each other, none twice, and a depth that leads away from each edge.
 static void check_blade(LthReader *r, const LthNode *blade, const LthSceneCut *cut) {
   for (LitheIndex i = 0; i + 1 < cut->n_path; i++) {
     double edge[3], across[3];
+    if (!is_near(cut->path[i]) || !is_near(cut->path[i + 1]) || !is_near(cut->depth)) {
+      lth_report(r->report, blade, "its places are too far away; expected less than 1e100 m");
+      return;
+    }
     lth_v3_sub(cut->path[i + 1], cut->path[i], edge);
     lth_v3_cross(edge, cut->depth, across);
     if (lth_v3_norm(across) > 1e-9 * lth_v3_norm(edge) * lth_v3_norm(cut->depth)) continue;

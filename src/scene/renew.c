@@ -209,6 +209,17 @@ typedef struct Move {
   const LthRenewal *renewals; ///< (n_bodies); `same` NULL: the body is what it was
 } Move;
 
+static LthDgTransfer transfer_of(const LthRenewal *r, const LthBody *body) {
+  return (LthDgTransfer){.from = r->old.space,
+                         .to = body->space,
+                         .atoms = lth_renewal_atoms(r, body),
+                         .n_atoms = r->n_atoms,
+                         .from_cell = r->from_cell,
+                         .to_cell = r->to_cell,
+                         .atom = r->atom,
+                         .same = r->same};
+}
+
 static LitheStatus move_field(LitheCtx *ctx, const void *self, const double *from, double *to) {
   const Move *m = self;
   for (LitheIndex b = 0; b < m->world->n_bodies; b++) {
@@ -220,15 +231,27 @@ static LitheStatus move_field(LitheCtx *ctx, const void *self, const double *fro
       memcpy(y, x, sizeof *y * (size_t)body->disc->n_dofs);
       continue;
     }
-    LthDgTransfer transfer = {.from = r->old.space,
-                              .to = body->space,
-                              .atoms = lth_renewal_atoms(r, body),
-                              .n_atoms = r->n_atoms,
-                              .from_cell = r->from_cell,
-                              .to_cell = r->to_cell,
-                              .atom = r->atom,
-                              .same = r->same};
+    const LthDgTransfer transfer = transfer_of(r, body);
     LITHE_TRY(lth_dg_transfer(ctx, &transfer, x, y));
+  }
+  return LITHE_OK;
+}
+
+static LitheStatus move_motion(LitheCtx *ctx, const void *self, const double *x_from,
+                               const double *v_from, const double *x, double *v) {
+  const Move *m = self;
+  for (LitheIndex b = 0; b < m->world->n_bodies; b++) {
+    const LthRenewal *r = m->renewals + b;
+    const LitheCount was = m->from->dof_first[b], is = m->world->system->dof_first[b];
+    if (!r->same) continue;
+    const LthDgTransfer transfer = transfer_of(r, m->world->bodies[b]);
+    const LthDgMotion motion = {.transfer = &transfer,
+                                .density_from = r->old.density,
+                                .x_from = x_from + was,
+                                .v_from = v_from + was,
+                                .x_to = x + is,
+                                .v_to = v + is};
+    LITHE_TRY(lth_dg_keep_motion(ctx, &motion));
   }
   return LITHE_OK;
 }
@@ -239,8 +262,13 @@ static void measure(LitheCtx *ctx, LthWorld *world, int when) {
   lth_simulation_measure(ctx, world->sim);
   const LthStepReport *report = lth_simulation_report(world->sim);
   for (LitheIndex i = world->n_settled; i < world->n_notes; i++) {
-    world->notes[i].strain[when] = report->strain_energy;
-    world->notes[i].kinetic[when] = report->kinetic_energy;
+    LthChangeNote *note = world->notes + i;
+    const LthBody *body = world->bodies[note->body];
+    note->strain[when] = report->strain_energy;
+    note->kinetic[when] = report->kinetic_energy;
+    if (body->op)
+      note->jump[when] =
+          lth_dg_jump_energy(body->op, lth_simulation_time(world->sim), lth_body_position(body));
   }
 }
 
@@ -301,11 +329,16 @@ static LitheStatus rebuild(LitheCtx *ctx, LthWorld *world, const LthWorld *old,
                            LthRenewal *renewals) {
   for (LitheIndex b = 0; b < world->n_bodies; b++) {
     LthBody *body = world->bodies[b];
-    if (lth_body_has_changed(body)) LITHE_TRY(renew_body(ctx, world, body, renewals + b));
+    if (!lth_body_has_changed(body)) continue;
+#ifdef LITHE_ASSERTS
+    LITHE_TRY(lth_topology_check(ctx, body->change->topology, 0, NULL));
+#endif
+    LITHE_TRY(renew_body(ctx, world, body, renewals + b));
   }
   LITHE_TRY(lth_world_join(ctx, world));
-  Move move = {world, old->system, renewals};
-  LITHE_TRY(lth_simulation_inherit(ctx, world->sim, old->sim, move_field, &move));
+  const Move fields = {world, old->system, renewals};
+  const LthStateMove move = {&fields, move_field, move_motion};
+  LITHE_TRY(lth_simulation_inherit(ctx, world->sim, old->sim, &move));
   LITHE_TRY(lth_world_carry_contacts(ctx, world, old, renewals));
   lth_world_cost_add(world, LTH_COST_TRANSFER);
   return LITHE_OK;

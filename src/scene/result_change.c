@@ -32,6 +32,7 @@ static void put_note(LthJson *json, const LthWorld *world, const LthChangeNote *
   lth_json_integer(json, "pieces", n->pieces);
   lth_json_number(json, "volume", n->volume);
   if (!is_idle) lth_json_vector(json, "strain_energy", 2, n->strain);
+  if (!is_idle) lth_json_vector(json, "jump_energy", 2, n->jump);
   if (!is_idle) lth_json_vector(json, "kinetic_energy", 2, n->kinetic);
   put_cost(json, n->seconds);
   lth_json_end_object(json);

@@ -80,12 +80,19 @@ static LitheStatus adapt(LitheCtx *ctx, Run *run, double dt, int round, bool *ch
 /// A step to the time `to`. An expression that came out undefined is bad input, whatever the solver made
 /// of it.
 static LitheStatus step(LitheCtx *ctx, Run *run, double dt, double to) {
+#ifdef LITHE_ASSERTS
+  const bool is_renewed = run->world->cost.waits;
+#endif
   double factor = lth_simulation_report(run->world->sim)->processor_factor;
   LitheStatus status = run->schedule.kind == LTH_TIME_DYNAMIC
                            ? lth_simulation_step(ctx, run->world->sim, dt)
                            : lth_simulation_equilibrium(ctx, run->world->sim, to);
   lth_world_cost_tell(run->world,
                       lth_simulation_report(run->world->sim)->processor_factor - factor);
+#ifdef LITHE_ASSERTS
+  if (is_renewed && status == LITHE_OK)
+    LITHE_TRY(lth_simulation_check_matrix(ctx, run->world->sim));
+#endif
   if (status == LITHE_NOT_CONVERGED)
     snprintf(run->reason, sizeof run->reason, "%s", lithe_ctx_message(ctx));
   if (status == LITHE_OK || status == LITHE_NOT_CONVERGED)

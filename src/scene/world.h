@@ -69,6 +69,7 @@ typedef struct LthChangeNote {
   LitheCount unknowns;            ///< after it
   LitheIndex pieces;              ///< parts of the body that do not hang together, after it
   double strain[2], kinetic[2];   ///< of all bodies before and after [J]; 0 before the first solve
+  double jump[2];                 ///< what of the body's strain energy is that of jumps
   double seconds[LTH_COST_COUNT]; ///< of the processor, of all changes of that time together
 } LthChangeNote;
 

@@ -95,6 +95,10 @@ const LthBlockMatrix *lth_simulation_matrix(const LthSimulation *sim);
 /// Largest over smallest eigenvalue of that matrix without the unknowns that are held. Overwrites their rows.
 LitheStatus lth_simulation_condition(LitheCtx *ctx, LthSimulation *sim, double *condition);
 
+/// The matrix of the last solve is symmetric to rounding and, where no contact has to hold a body, positive definite: an error that
+/// says what it is not. For builds that check their own work.
+LitheStatus lth_simulation_check_matrix(LitheCtx *ctx, const LthSimulation *sim);
+
 /// External less internal force at the present state, after a step less the forces of inertia and damping too,
 /// contact not among them: (n) [N], valid until the next call on `sim`. Overwrites the matrix.
 LitheStatus lth_simulation_imbalance(LitheCtx *ctx, LthSimulation *sim, const double **force);
@@ -118,10 +122,24 @@ void lth_simulation_archive(LthSimulation *sim, LthArchive *archive);
 /// A field of coefficients of one system as that of another: `to` (n of the new one) is zero before.
 typedef LitheStatus LthFieldMove(LitheCtx *ctx, const void *self, const double *from, double *to);
 
+/// A velocity that was moved is corrected to what places and velocities were before.
+typedef LitheStatus LthMotionMove(LitheCtx *ctx, const void *self, const double *x_from,
+                                  const double *v_from, const double *x, double *v);
+
+typedef struct LthStateMove {
+  const void *self;
+  LthFieldMove *field;
+  LthMotionMove *motion; ///< of what moves, after its two fields
+} LthStateMove;
+
 /// Go on in the place of another simulation, whose system had other unknowns: position and velocity, time, totals and
 /// what the integrator remembers. Solvers learn anew.
 LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *sim, const LthSimulation *from,
-                                   LthFieldMove *move, const void *self);
+                                   const LthStateMove *move);
+
+/// Take the next step by Euler's rule where the integrator damps nothing: jumps that are weighed by other penalties than before may have
+/// left large forces in motions much faster than a step, which would go on for ever.
+void lth_simulation_settle(LthSimulation *sim);
 
 /// The acceleration (n) [m/s^2] that the forces of now give, but contact's and those held back, where the mass is diagonal.
 /// Overwrites the matrix.

@@ -20,6 +20,7 @@ typedef struct LthStage {
 
   // from the step before
   bool has_old;
+  bool settles; // the next step is one of Euler's: elements were cut
   double h_old;
   double *x_old, *v_old; // bdf2: position and velocity a step earlier
   double *f_old;         // newmark: all forces but contact's at its end [N]

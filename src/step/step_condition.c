@@ -1,4 +1,5 @@
-/// Condition number of what is free of the matrix.
+/// Condition number of what is free of the matrix, and whether it is symmetric and positive definite.
+#include "la/engine.h"
 #include "step/simulation_priv.h"
 
 #include <math.h>
@@ -25,4 +26,24 @@ static void level_held(LthBlockMatrix *A, const uint8_t *held) {
 LitheStatus lth_simulation_condition(LitheCtx *ctx, LthSimulation *s, double *condition) {
   if (s->system->held) level_held(s->A, s->system->held);
   return lth_block_matrix_condition(ctx, s->A, condition);
+}
+
+#define ASYMMETRY 1e-12 ///< of the largest entry: rounding of sums in another order
+#define FACTORED 60000  ///< unknowns: beyond, a factor costs more than what it is to prove
+
+LitheStatus lth_simulation_check_matrix(LitheCtx *ctx, const LthSimulation *s) {
+  const LthEngine *engine = lth_engine_find("cholesky");
+  LthFactor *factor = NULL;
+  if (!s->A) return LITHE_OK;
+  double asymmetry = lth_block_matrix_asymmetry(s->A);
+  if (!(asymmetry <= ASYMMETRY))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "the matrix is not symmetric: off by %g of its largest entry",
+               asymmetry);
+  bool is_held =
+      s->v || !s->has_contact; // equilibria may be held by contact, which is no part of it
+  if (!engine || !is_held || s->n > FACTORED) return LITHE_OK;
+  LitheStatus status = engine->analyse(ctx, s->A, &factor);
+  if (status == LITHE_OK) status = engine->factorize(ctx, factor, s->A);
+  engine->destroy(ctx, &factor);
+  return status;
 }

@@ -175,7 +175,8 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
                dt);
   if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
   LITHE_TRY(lth_stage_begin(ctx, s));
-  LitheStatus status = prepare(ctx, s, s->options.integrator, dt);
+  LitheStatus status =
+      prepare(ctx, s, s->stage.settles ? LTH_NEWTON_EULER : s->options.integrator, dt);
   if (status == LITHE_OK) status = lth_stage_solve(ctx, s, &ended);
   if (status == LITHE_OK && !ended) status = take_frozen(ctx, s, dt);
   if (status != LITHE_OK) {
@@ -184,6 +185,7 @@ LitheStatus lth_simulation_step(LitheCtx *ctx, LthSimulation *s, double dt) {
   }
   lth_stage_balance(s, dt);
   remember(ctx, s, dt);
+  s->stage.settles = !ended && s->options.integrator == LTH_NEWMARK;
   LITHE_TRY(move(s, dt));
   double t0 = s->t;
   s->t = s->stage.t1;

@@ -1,14 +1,20 @@
 /// A simulation that goes on in the place of another, when a body's unknowns are others than before.
 #include "step/simulation_priv.h"
 
+static LitheStatus move_motion(LitheCtx *ctx, const LthStateMove *move, const double *x_from,
+                               const double *v_from, double *x, double *v) {
+  LITHE_TRY(move->field(ctx, move->self, x_from, x));
+  LITHE_TRY(move->field(ctx, move->self, v_from, v));
+  return move->motion(ctx, move->self, x_from, v_from, x, v);
+}
+
 /// Only the two-step rule needs fields of the past. Newmark's forces belong to the old functions, and are found anew.
 static LitheStatus move_stage(LitheCtx *ctx, LthSimulation *s, const LthSimulation *from,
-                              LthFieldMove *move, const void *self) {
+                              const LthStateMove *move) {
   const LthStage *g = &from->stage;
   if (!g->has_old || s->options.integrator != LTH_BDF2) return LITHE_OK;
   LITHE_TRY(lth_stage_begin(ctx, s));
-  LITHE_TRY(move(ctx, self, g->x_old, s->stage.x_old));
-  LITHE_TRY(move(ctx, self, g->v_old, s->stage.v_old));
+  LITHE_TRY(move_motion(ctx, move, g->x_old, g->v_old, s->stage.x_old, s->stage.v_old));
   s->stage.h_old = g->h_old;
   s->stage.has_old = true;
   return LITHE_OK;
@@ -28,12 +34,19 @@ static LitheStatus find_forces(LitheCtx *ctx, LthSimulation *s, const LthSimulat
 }
 
 LitheStatus lth_simulation_inherit(LitheCtx *ctx, LthSimulation *s, const LthSimulation *from,
-                                   LthFieldMove *move, const void *self) {
+                                   const LthStateMove *move) {
   s->t = from->t;
   s->report = from->report;
-  LITHE_TRY(move(ctx, self, from->x, s->x));
-  LITHE_TRY(move(ctx, self, from->v, s->v));
-  LITHE_TRY(move_stage(ctx, s, from, move, self));
-  LITHE_TRY(lth_fade_inherit(ctx, s, from, move, self));
+  if (from->v) {
+    LITHE_TRY(move_motion(ctx, move, from->x, from->v, s->x, s->v));
+  } else {
+    LITHE_TRY(move->field(ctx, move->self, from->x, s->x));
+  }
+  LITHE_TRY(move_stage(ctx, s, from, move));
+  LITHE_TRY(lth_fade_inherit(ctx, s, from, move->field, move->self));
   return find_forces(ctx, s, from);
+}
+
+void lth_simulation_settle(LthSimulation *s) {
+  s->stage.settles = s->options.integrator == LTH_NEWMARK;
 }

@@ -139,9 +139,11 @@ with folder() as d:
             expect(f"held_back_forces_have_no_resultant_{integrator}_{rule}", drift(rows, "momentum") < 1e-11 and
                    drift(rows, "angular_momentum") < 1e-11 and result["adapt"]["changes"] > 0 and abs(rows[-1]["work"]) > 1e-3,
                    (drift(rows, "momentum"), drift(rows, "angular_momentum"), result["adapt"], rows[-1]["work"]))
-        got, result = solve(d, FREE % (integrator, RULES["two"] % 0.9), "--set", "time.duration=0.06", "--set", "adapt.h.threshold=2000")
-        expect(f"nor_where_elements_are_merged_{integrator}", drift(history(d), "momentum") < 1e-11 and
-               result["adapt"]["bodies"][0]["merged"] > 0, (drift(history(d), "momentum"), result["adapt"]))
+        for rule, threshold in (("two", 2000), ("p", 1500)):
+            got, result = solve(d, FREE % (integrator, RULES[rule] % 0.9), "--set", "time.duration=0.06", "--set", "adapt.%s.threshold=%d" % ("p" if rule == "p" else "h", threshold))
+            body = result["adapt"]["bodies"][0]
+            expect(f"nor_where_elements_are_merged_{integrator}_{rule}", drift(history(d), "momentum") < 1e-11 and drift(history(d), "angular_momentum") < 1e-11 and
+                   body["merged"] + body["lowered"] > 0, (drift(history(d), "momentum"), drift(history(d), "angular_momentum"), body))
 
 
 def jolt(d, text, *options):

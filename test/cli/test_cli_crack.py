@@ -75,6 +75,16 @@ with folder() as d:
     rows = table(d, "history.csv")
     expect("a_crack_alone_moves_nothing", max(row["strain_energy"] + row["kinetic_energy"] for row in rows) < 1e-20, rows)
 
+# all triangles of a crack one element deep reach to its front
+with folder() as d:
+    shallow = BLOCK.replace("LOAD", "-500").replace("[0, 0.025, -1]", "[0, 0.075, -1]")
+    got, result = solve(d, shallow, "--set", "time={kind: quasistatic, duration: 1, steps: 2}", "--set", "output.every=1/2")
+    closed = max(overlap(d))
+    expect("a_crack_of_one_element_closes_too", got.returncode == 0 and result["solver"]["converged"] and closed < 0.02 * CELL and
+           result["contact"]["force"] > 0.1 * 500 * 0.01, (closed, result["contact"]))
+    solve(d, shallow, "--set", "contact={bodies: false}", "--set", "time={kind: quasistatic, duration: 1, steps: 2}", "--set", "output.every=1/2")
+    expect("and_overlaps_without_contact", max(overlap(d)) > 10 * max(closed, 1e-4 * CELL), (closed, max(overlap(d))))
+
 for kind in ("implicit-euler", "bdf2"):
     with folder() as d:
         got, result = solve(d, BLOCK.replace("LOAD", '"800*cos(12*t)"'), "--set", "time.integrator=" + kind, "--set", "time.duration=0.5")

@@ -118,6 +118,29 @@ with folder() as d:
     expect("elements_are_those_of_the_last_cut", result["bodies"][0]["elements"] == notes[2]["elements"], result["bodies"])
     expect("volume_of_the_history_stays", abs(history(d)[-1]["volume"] / 0.002 - 1) < 0.1, history(d)[-1])
 
+# few elements, nu near 1/2: jumps that were there are weighed by stiffer penalties after the cut, which the result tells
+JUMPS = """lithe: 1
+bodies:
+  - shape: {box: {min: [0, 0, 0], max: [1, 0.4, 0.6]}}
+    material: {model: linear, young_modulus: 1 MPa, poisson_ratio: 0.49, density: 1000}
+    method: {kind: dg, cells: 4, degree: 1, sliver: 0}
+    initial: {velocity: ["5*(y-.5)*z", "1-5*(x-.5)", "5*sin(4*x)"]}
+cuts:
+  - {at: 0.045, blade: {path: [[0.667, 0.281, 0.25], [0.333, 0.581, 0.0025], [1.148, 0.667, -0.0325], [0.892, 0.421, 1]], depth: [-0.493, -0.356, 0.799]}}
+contact: {bodies: false}
+time: {kind: dynamic, duration: 0.12, step: 0.01}
+output: {every: 0.01, fields: []}
+"""
+with folder() as d:
+    for kind in ("implicit-euler", "bdf2", "newmark"):
+        got, result = solve(d, JUMPS, "--set", "time.integrator=" + kind)
+        note = result["topology"][0]
+        rise, jumps = ([note[key][1] - note[key][0] for key in ("strain_energy", "jump_energy")])
+        expect("strain_energy_rises_by_that_of_jumps_alone (%s)" % kind, rise > 0.1 * note["strain_energy"][0] and
+               abs(rise - jumps) < 1e-12 * note["strain_energy"][1], note)
+        total = [row["strain_energy"] + row["kinetic_energy"] for row in history(d)]
+        expect("and_the_step_takes_it_away_again (%s)" % kind, max(total) < 1.001 * total[0], total)
+
 # pieces thinner than a percent of an element, pressed flat by others: contact gives no energy, and every step has an end
 for kind in ("implicit-euler", "newton-euler", "bdf2", "newmark"):
     for sliver in ("1e-4", "0.1"):
@@ -216,6 +239,8 @@ with folder() as d:
              "scene.yaml:10:63: cuts.0.within: it belongs to plane, got no plane; leave it out\n"),
             ("keep", "{carve: {sphere: {center: [0, 0, 0], radius: 1}}}",
              "scene.yaml:10:5: cuts.0.keep: missing; expected inside, outside or both\n"),
+            ("far", "{blade: {path: [[-1e200, 0, 0], [1e200, 0, 0]], depth: [0, 0, 1e200]}}",
+             "scene.yaml:10:13: cuts.0.blade: its places are too far away; expected less than 1e100 m\n"),
             ("path", "{blade: {path: [[0, 0, 0], [0, 0, 1]], depth: [0, 0, 1]}}",
              "scene.yaml:10:13: cuts.0.blade: edge 0 of its path does not sweep a surface: its ends are the same place, or the "
              "depth runs along it; expected different places, and a depth across them\n")):

@@ -115,4 +115,10 @@ with folder() as d:
         expect("faces_of_plane_shapes_are_held_and_loaded", got.returncode == 0, got.stderr)
         error = json.load(open(os.path.join(d, "faces", "result.json")))["error"]
         expect("with_the_exact_answer_%s" % shape[:3], error["linf"] < 1e-9 * 0.91e-3, error)
+with folder() as d:
+    cut = (FACES % "box: {min: [0, 0], max: [1, 0.4]}").replace("time:", "cuts: [{plane: {point: [0.5, 0], normal: [1, 0]}}]\ntime:")
+    write(d, "cut.yaml", cut.encode())
+    got = run("check", "cut.yaml", cwd=d)
+    expect("cuts_are_refused_in_the_plane", got.returncode == 2 and "cuts.0: cuts need method dg, which bodies in the plane do not have" in
+           got.stderr, got.stderr)
 done()

@@ -171,10 +171,55 @@ static inline LitheIndex topology_cut_all(LitheCtx *ctx, LthTopology *t, const L
   return cut.n_split;
 }
 
-/// Counts of a random run.
+/// What a random run may do, and its counts.
 typedef struct TopologyRun {
-  int n_splits, n_missed, n_merges, n_cuts;
+  bool carves; ///< cells may be taken away
+  int n_splits, n_missed, n_merges, n_cuts, n_carves;
 } TopologyRun;
+
+/// Which cells lie below all planes, by their centroids; returns how many.
+static inline LitheIndex topology_below(const LthTopology *t, int n_planes, const LthPlane *planes,
+                                        uint8_t *is_below) {
+  LitheIndex n = 0;
+  for (LitheIndex c = 0; c < t->n_cells; c++) {
+    is_below[c] = t->cells[c].is_live;
+    for (int i = 0; i < n_planes; i++) {
+      double d[3];
+      lth_v3_sub(t->cells[c].centroid, planes[i].point, d);
+      is_below[c] = is_below[c] && lth_v3_dot(d, planes[i].normal) < 0;
+    }
+    n += is_below[c];
+  }
+  return n;
+}
+
+/// Carve a corner, a wedge or a half out of all cells: divide them by its planes, part what lies inside from what does
+/// not, and take one of the two away, or none.
+static inline void topology_random_carve(LitheCtx *ctx, LthTopology *t, const LthPlane *plane,
+                                         uint64_t *seed, TopologyRun *run) {
+  LthPlane planes[3] = {*plane};
+  int n_planes = 1 + topology_int(seed, 3), keep = topology_int(seed, 3);
+  for (int i = 1; i < n_planes; i++)
+    planes[i] = topology_plane(t, topology_random_cell(t, seed), NULL, seed);
+  for (int i = 0; i < n_planes; i++) topology_cut_all(ctx, t, planes + i, -1);
+  uint8_t *is_below = lth_alloc(ctx, t->n_cells, 1);
+  LitheIndex *cells = lth_alloc(ctx, t->n_live_cells, sizeof *cells), n = 0,
+             n_below = topology_below(t, n_planes, planes, is_below), n_faces = t->n_faces;
+  for (LitheIndex f = 0; f < n_faces; f++) {
+    const LthTopologyFace *face = t->faces + f;
+    if (face->is_live && face->cell[1] >= 0 && is_below[face->cell[0]] != is_below[face->cell[1]])
+      CHECK_OK(ctx, lth_topology_separate(ctx, t, f, LTH_TAG_CUT - 2000 - run->n_carves, NULL));
+  }
+  for (LitheIndex c = 0; c < t->n_cells; c++)
+    if (t->cells[c].is_live && is_below[c] == keep) cells[n++] = c;
+  double gone = 0;
+  for (LitheIndex i = 0; i < n; i++) gone += t->cells[cells[i]].volume;
+  if (keep < 2 && n > 0 && gone < 0.9 * t->volume) // something is left
+    CHECK_OK(ctx, lth_topology_remove(ctx, t, n, cells));
+  run->n_carves += n_below > 0 && n_below < t->n_live_cells;
+  lth_free(ctx, is_below);
+  lth_free(ctx, cells);
+}
 
 /// One random operation. Bodies with many cells are merged rather than split.
 static inline void topology_random_operation(LitheCtx *ctx, LthTopology *t, LthPlane *last,
@@ -182,9 +227,9 @@ static inline void topology_random_operation(LitheCtx *ctx, LthTopology *t, LthP
   LitheIndex cell = topology_random_cell(t, seed), n = 0;
   LthSplit split;
   LthPlane plane = topology_plane(t, cell, last, seed);
-  int kind = topology_int(seed, 20);
+  int kind = topology_int(seed, run->carves ? 21 : 20);
   LitheIndex tag = topology_int(seed, 4) ? -1 : LTH_TAG_CUT - topology_int(seed, 100);
-  if (t->n_live_cells > most_cells && kind < 15) kind = 16;
+  if (t->n_live_cells > most_cells && (kind < 15 || kind == 20)) kind = 16;
   if (kind == 12) {
     run->n_cuts += topology_cut_all(ctx, t, &plane, tag);
   } else if (kind == 13) {
@@ -194,6 +239,8 @@ static inline void topology_random_operation(LitheCtx *ctx, LthTopology *t, LthP
     CHECK_OK(ctx, lth_topology_split(ctx, t, cell, &plane, tag, &split));
     run->n_splits += split.n > 0;
     run->n_missed += split.n == 0;
+  } else if (kind == 20) {
+    topology_random_carve(ctx, t, &plane, seed, run);
   } else if (kind == 15) {
     topology_random_separation(ctx, t, seed);
   } else if (kind == 16) {

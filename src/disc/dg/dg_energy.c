@@ -182,23 +182,32 @@ double lth_dg_hold_penalty_energy(const LthDgOperator *op, const LthDgHold *hold
   return hold_energy(op, hold, t, u, NULL);
 }
 
-double lth_dg_energy(LthDgOperator *op, double t, const double *x) {
+/// Energy of the inside of elements, of jumps (with constraints), or of both.
+static double sum_energy(LthDgOperator *op, double t, const double *x, bool insides, bool jumps) {
   LitheIndex n_cells = op->space->n_cells;
 #pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < n_cells; cell++) {
     double S[9 * LTH_DG_MAX_LOWER], u[3 * LTH_DG_MAX_FUNCS];
     lth_dg_stress_coefficients(op, cell, x, S);
     cell_displacement(op, cell, x, u);
-    double sum = op->faces_only ? 0 : element_energy(op, cell, S);
-    for (LitheIndex f = op->own_face_off[cell]; f < op->own_face_off[cell + 1]; f++)
+    double sum = insides ? element_energy(op, cell, S) : 0;
+    for (LitheIndex f = op->own_face_off[cell]; jumps && f < op->own_face_off[cell + 1]; f++)
       sum += face_energy(op, &op->faces[f], x);
-    for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
+    for (LitheIndex h = op->hold_off[cell]; jumps && h < op->hold_off[cell + 1]; h++)
       sum += hold_energy(op, &op->holds[h], t, u, S);
     op->partial[cell] = sum;
   }
   double energy = 0;
   for (LitheIndex cell = 0; cell < n_cells; cell++) energy += op->partial[cell];
   return energy;
+}
+
+double lth_dg_energy(LthDgOperator *op, double t, const double *x) {
+  return sum_energy(op, t, x, !op->faces_only, true);
+}
+
+double lth_dg_jump_energy(LthDgOperator *op, double t, const double *x) {
+  return sum_energy(op, t, x, false, true);
 }
 
 /// Force of a hold on the body: minus its internal force tested with constants,

@@ -61,6 +61,9 @@ void lth_dg_assemble_load(LthDgOperator *op, double t, double *f0);
 /// Elastic energy at x with the rotations as they stand [J] (jumps and constraints included).
 double lth_dg_energy(LthDgOperator *op, double t, const double *x);
 
+/// What of it is that of jumps between elements and beside weak constraints, by fluxes and penalties [J].
+double lth_dg_jump_energy(LthDgOperator *op, double t, const double *x);
+
 /// Reaction force of each weak constraint on the body at x [N] (n_weak x 3).
 void lth_dg_reactions(LthDgOperator *op, double t, const double *x, double *reaction);
 

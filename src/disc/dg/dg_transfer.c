@@ -132,18 +132,26 @@ static LitheStatus transfer_cell(LitheCtx *ctx, const LthDgTransfer *t, LitheInd
   return LITHE_OK;
 }
 
+LitheStatus lth_dg_sort_atoms(LitheCtx *ctx, const LthDgTransfer *t, LitheIndex **off,
+                              LitheIndex **atom) {
+  LitheIndex n = t->n_atoms, n_cells = t->to->n_cells;
+  LTH_NEW(ctx, *off, (LitheCount)n_cells + 2);
+  LTH_NEW(ctx, *atom, n);
+  LitheIndex *first = *off;
+  for (LitheIndex i = 0; i < n; i++)
+    if (t->to_cell[i] >= 0) first[t->to_cell[i] + 2]++;
+  for (LitheIndex c = 0; c < n_cells; c++) first[c + 2] += first[c + 1];
+  for (LitheIndex i = 0; i < n; i++)
+    if (t->to_cell[i] >= 0) (*atom)[first[t->to_cell[i] + 1]++] = i;
+  return LITHE_OK;
+}
+
 LitheStatus lth_dg_transfer(LitheCtx *ctx, const LthDgTransfer *t, const double *coef,
                             double *out) {
   LitheStatus status = LITHE_OK;
-  LitheIndex *off = NULL, *atom = NULL, n = t->n_atoms, n_cells = t->to->n_cells;
-  LTH_NEW_OR(done, ctx, off, (LitheCount)n_cells + 2);
-  LTH_NEW_OR(done, ctx, atom, n);
-  for (LitheIndex i = 0; i < n; i++)
-    if (t->to_cell[i] >= 0) off[t->to_cell[i] + 2]++;
-  for (LitheIndex c = 0; c < n_cells; c++) off[c + 2] += off[c + 1];
-  for (LitheIndex i = 0; i < n; i++)
-    if (t->to_cell[i] >= 0) atom[off[t->to_cell[i] + 1]++] = i;
-  for (LitheIndex c = 0; c < n_cells; c++)
+  LitheIndex *off = NULL, *atom = NULL;
+  LITHE_TRY_OR(done, lth_dg_sort_atoms(ctx, t, &off, &atom));
+  for (LitheIndex c = 0; c < t->to->n_cells; c++)
     LITHE_TRY_OR(done, transfer_cell(ctx, t, c, atom + off[c], off[c + 1] - off[c], coef, out));
 done:
   lth_free(ctx, off);

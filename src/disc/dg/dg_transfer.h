@@ -31,6 +31,24 @@ typedef struct LthDgTransfer {
 LitheStatus lth_dg_transfer(LitheCtx *ctx, const LthDgTransfer *transfer, const double *coef,
                             double *out);
 
+/// The atoms of new cell c are atom[off[c]] ... atom[off[c + 1] - 1]. The caller frees both, also after a failure.
+LitheStatus lth_dg_sort_atoms(LitheCtx *ctx, const LthDgTransfer *transfer, LitheIndex **off,
+                              LitheIndex **atom);
+
+/// Places and velocities before and after a transfer, and the density of old cells; those of new ones are the means.
+typedef struct LthDgMotion {
+  const LthDgTransfer *transfer;
+  const double *density_from; ///< (cells of `from`)
+  const double *x_from, *v_from, *x_to;
+  double *v_to;
+} LthDgMotion;
+
+/// New cells that were projected get the momentum, and the angular momentum about the centre of mass, of what they are made of: by a
+/// translation and a turn of each. Projections alone miss *int rho (x - Px) x (v - Pv)* of the latter, and where densities differ some
+/// of the former. The kinetic energy stays at most what it was, but for what a turn with less inertia needs: where it would grow, the
+/// rest of the motion is slowed down.
+LitheStatus lth_dg_keep_motion(LitheCtx *ctx, const LthDgMotion *motion);
+
 /// The plane in rest space that a cell's map (positions x) takes to `deformed`: exactly for affine maps; for others
 /// the plane that touches its preimage in the point next to the cell's centroid (docs/theory/dg.md). False where
 /// the map is flat across the plane.

@@ -1,4 +1,4 @@
-/// Random splits, cuts, separations and merges of random solids keep every invariant.
+/// Random splits, cuts, separations, merges and carves of random solids keep every invariant.
 #include "topology_ops.h"
 
 #include <time.h>
@@ -41,14 +41,15 @@ static void run_solid(int kind, int n, int most_cells, TopologyRun *run) {
 
 static void operations_keep_every_invariant(void **state) {
   (void)state;
-  TopologyRun run = {0};
+  TopologyRun run = {.carves = true};
   const char *much = getenv("LITHE_TEST_OPERATIONS");
   int n = much ? atoi(much) : 3000, each = 60;
   for (int i = 0; i < n / each; i++) run_solid(i % TOPOLOGY_SOLIDS, each, 60, &run);
-  printf("%d splits, %d missed, %d cells cut, %d merges\n", run.n_splits, run.n_missed, run.n_cuts,
-         run.n_merges);
+  printf("%d splits, %d missed, %d cells cut, %d merges, %d carves\n", run.n_splits, run.n_missed,
+         run.n_cuts, run.n_merges, run.n_carves);
   assert_true(run.n_splits > n / 4);
   assert_true(run.n_merges > n / 20);
+  assert_true(run.n_carves > n / 100);
 }
 
 int main(void) {

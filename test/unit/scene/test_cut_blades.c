@@ -75,13 +75,14 @@ static void write_ball(const char *path, const double center[3], double radius) 
 }
 
 static void write_scene(Text *t, const char *ball) {
+  static const char *const degrees[] = {"1", "1", "2", "\"2+x\""};
   t->n = 0;
   ADD(t, "lithe: 1\nbodies:\n  - name: solid\n");
   add_solid(t);
   ADD(t,
       "    material: {young_modulus: 1e4, poisson_ratio: 0.3, density: 1000}\n"
-      "    method: {kind: dg, cells: %d, degree: 1, flux: ip, sliver: %s}\n",
-      2 + pick(3), pick(2) ? "0.05" : "0.002");
+      "    method: {kind: dg, cells: %d, degree: %s, flux: ip, sliver: %s}\n",
+      2 + pick(3), degrees[pick(4)], pick(2) ? "0.05" : "0.002");
   if (ball)
     ADD(t, "    embed: {surface: {file: %s}}\n", ball);
   else
