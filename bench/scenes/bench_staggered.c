@@ -213,7 +213,8 @@ static void export_matrix(LitheCtx *ctx, const Body *b, const char *path) {
 }
 
 typedef struct Row {
-  double fractions, disc, prepare, solve, residual, apply, moved, full, full_error, bytes;
+  double fractions, disc, prepare, solve, residual, apply, moved, full, full_work, full_error,
+      bytes;
   LitheIndex iterations;
 } Row;
 
@@ -258,7 +259,8 @@ static void time_full(LitheCtx *ctx, Body *b, Row *row) {
       full_mixed(ctx, b);
       seconds = lth_now() - start;
     } else {
-      check(ctx, lth_staggered_multigrid_time_full(ctx, b->s->solver, b->rhs, 2, &seconds));
+      check(ctx, lth_staggered_multigrid_time_full(ctx, b->s->solver, b->rhs, 2, &seconds,
+                                                   &row->full_work));
     }
     row->full = fmin(row->full, seconds);
   }
@@ -308,17 +310,18 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
   printf(
       o->csv
           ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.1f,%"
-            ".1e\n"
+            ".1f,%.1e\n"
           : "%dD %5d nu %-5g threads %d triad %.1f GB/s %10lld unknowns: fractions %.3f disc %.3f "
             "prepare %.3f solve %.3f s, "
             "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
-            "operator %.2e s, %.2f x memory, %.2f x moved, full multigrid %.1f operators, error "
+            "operator %.2e s, %.2f x memory, %.2f x moved, full multigrid %.1f operators, work "
+            "%.1f, error "
             "%.1e\n",
       o->dim, cells, o->nu, lth_threads(ctx), memory * 1e-9, (long long)b.unknowns, row.fractions,
       row.disc, row.prepare, row.solve, report.iterations, row.residual,
       (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply,
       row.apply / least, row.moved > 0 ? row.apply * memory / row.moved : 0, row.full / row.apply,
-      row.full_error);
+      row.full_work, row.full_error);
   fflush(stdout);
   if (o->file) export_matrix(ctx, &b, o->file);
   body_free(ctx, &b);
@@ -367,7 +370,7 @@ int main(int argc, char **argv) {
     printf("dim,cells,nu,threads,triad GB/s,unknowns,fractions s,disc s,prepare s,solve "
            "s,iterations,residual,"
            "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory bound,"
-           "operator/moved bound,fmg operators,fmg error\n");
+           "operator/moved bound,fmg operators,fmg work,fmg error\n");
   int wanted = o.dim;
   for (o.dim = 2; o.dim <= 3; o.dim++) {
     if (wanted && wanted != o.dim) continue;

@@ -57,10 +57,11 @@ ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
     B->samples.shear[e] = s + (2 + (DIM == 3 ? (e + 1) % 3 : 0)) * SIDE;
   if (!uniform) find_samples_f(L->level, near, &B->samples);
   find_rows_f(L, near, L->x.at, L->x.stride, &B->rows);
+  look_ahead_f(L, block, L->x.at, L->x.stride, &B->ahead);
 }
 
 /// f = A x in row q of vectors, in a block that is uniform or not.
-ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, const bool uniform,
+ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, Block_f *B, const bool uniform,
                      LitheIndex q, Lane_f f[DIM]) {
   const LitheIndex number = q - L->first[block];
   row_f(B, uniform, uniform ? number : L->local[q], 0, f);
@@ -71,13 +72,13 @@ ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, 
 }
 
 /// With row q of a block, fetch what is wanted soon.
-ALWAYS void fast_fetch(const LthFastLevel *L, const Samples_f *samples, LitheIndex block,
+ALWAYS void fast_fetch(const LthFastLevel *L, const Block_f *B, LitheIndex block,
                        const bool uniform, LitheIndex q) {
   const LitheIndex number = q - L->first[block];
   fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
   fetch_row_f(row_of(L->y, q + SOON));
   fetch_row_f(row_of(L->b, q + SOON));
-  fetch_around_f(L, samples, block, uniform ? number : L->local[q], L->x.at, L->x.stride);
+  fetch_ahead_f(&B->ahead, &B->samples, uniform ? number : L->local[q]);
   if (!uniform) fetch_row_f(L->inverse + (L->number[block] + number + SOON) * (LitheCount)WIDTH);
 }
 
@@ -118,7 +119,7 @@ ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep s
     const float *x = row_of(L->x, q), *b = row_of(L->b, q);
     const float *stored = uniform ? NULL : inverse_of(L, block, q);
     float *y = row_of(L->y, q);
-    fast_fetch(L, &B.samples, block, uniform, q);
+    fast_fetch(L, &B, block, uniform, q);
     Lane_f f[DIM];
     fast_row(L, block, &B, uniform, q, f);
     UNROLL
@@ -166,8 +167,7 @@ ALWAYS const float *scale_of(const LthFastLevel *L, LitheIndex block, LitheIndex
 }
 
 /// y = scale (b - A x), or (B is NULL) y = scale b, row by row.
-ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool uniform,
-                       const Block_f *B) {
+ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool uniform, Block_f *B) {
   const bool varies = L->scaled[block] >= 0;
   const float same = L->same_scale[block];
   for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
@@ -175,7 +175,7 @@ ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool unifo
     float *y = row_of(L->y, q);
     Lane_f f[DIM] = {0};
     if (B) {
-      fast_fetch(L, &B->samples, block, uniform, q);
+      fast_fetch(L, B, block, uniform, q);
       fast_row(L, block, B, uniform, q, f);
     }
     UNROLL
@@ -219,6 +219,7 @@ ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, d
   for (int e = 0; e < N_SHEAR; e++) B->samples.shear[e] = l->shear[DIM == 3 ? e : 2];
   if (!uniform) find_samples_d(l, near, &B->samples);
   find_rows_d(L, near, values, WIDTH, &B->rows);
+  look_ahead_d(L, block, values, WIDTH, &B->ahead);
 }
 
 typedef uint64_t Bits __attribute__((vector_size(64)));
@@ -233,9 +234,9 @@ ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[8], bool held) {
   return (Lane_d)((Bits)v & -(lowest >> 63));
 }
 
-/// f += m M p, and zero where an unknown does not count, in row q of a general block.
+/// f += m M p, and zero where an unknown does not count (all do in plain rows), in row q of a general block.
 ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, int i, double inert,
-                       bool held, const double *p, Lane_d f[DIM]) {
+                       bool held, bool plain, const double *p, Lane_d f[DIM]) {
   const LthStaggeredLevel *l = L->level;
   const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q];
   UNROLL
@@ -244,7 +245,7 @@ ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, in
     if (inert != 0)
       f[a] += inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
               load_d(p + a * SIDE + i);
-    f[a] = where_counted(f[a], l->state[a] + row * SIDE + i, held);
+    if (!plain) f[a] = where_counted(f[a], l->state[a] + row * SIDE + i, held);
   }
 }
 
@@ -261,11 +262,11 @@ ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, 
     const int row = uniform ? q - first : L->local[q];
     fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
     fetch_row_d(to + SOON * WIDTH);
-    fetch_around_d(L, &B.samples, block, row, values, WIDTH);
+    fetch_ahead_d(&B.ahead, &B.samples, row);
     for (int i = 0; i < SIDE; i += 8) {
       Lane_d f[DIM];
       row_d(&B, uniform, row, i, f);
-      if (!uniform) finish_row(L, block, q, i, inert, held, p, f);
+      if (!uniform) finish_row(L, block, q, i, inert, held, B.plain >> row & 1, p, f);
       UNROLL
       for (int a = 0; a < DIM; a++) {
         store_d(to + a * SIDE + i, f[a]);

@@ -281,15 +281,17 @@ LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *M
 }
 
 LitheStatus lth_staggered_multigrid_time_full(LitheCtx *ctx, LthStaggeredMultigrid *M,
-                                              const double *rhs, int count, double *seconds) {
+                                              const double *rhs, int count, double *seconds,
+                                              double *work) {
   double norm = norm_of(ctx, M, rhs), scale = norm > 0 ? 1 / norm : 1;
   true_residual(ctx, M, NULL, rhs, NULL, true, scale);
-  double start = lth_now();
+  double start = lth_now(), before = M->work_done;
   for (int i = 0; i < count; i++) {
     advance(ctx, M, 0, scale);
     LITHE_TRY(lth_staggered_full(ctx, M));
   }
   *seconds = (lth_now() - start) / count;
+  *work = (M->work_done - before) / count;
   return LITHE_OK;
 }
 

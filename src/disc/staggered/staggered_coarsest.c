@@ -183,3 +183,9 @@ LitheStatus lth_staggered_coarsest_solve(LitheCtx *ctx, LthStaggeredCoarsest *C)
   }
   return LITHE_OK;
 }
+
+double lth_staggered_coarsest_bytes(const LthStaggeredCoarsest *C) {
+  double bytes, flops;
+  C->engine->predict(C->factor, &bytes, &flops);
+  return 2 * bytes;
+}

@@ -37,3 +37,5 @@ LitheStatus lth_staggered_coarsest_set(LitheCtx *ctx, LthStaggeredCoarsest *coar
                                        double ck, double unit);
 /// The level's x from its b.
 LitheStatus lth_staggered_coarsest_solve(LitheCtx *ctx, LthStaggeredCoarsest *coarsest);
+/// Bytes that such a solve touches: the factor's, twice.
+double lth_staggered_coarsest_bytes(const LthStaggeredCoarsest *coarsest);

@@ -12,6 +12,13 @@ static LthFastStep step_of(const LthFastLevel *L, int i) {
                        .fresh = i == 1};
 }
 
+// Work is counted in applications of the finest level's operator in double precision, which touches 16 bytes an unknown: as many as
+// a step of the smoother, that counts as one too, and a residual, that touches 12. What applies no operator counts by bytes.
+
+static double share_of(const LthStaggeredMultigrid *M, int l) {
+  return (double)M->hierarchy->n_free[l] / (double)M->hierarchy->n_free[0];
+}
+
 static void swap_vectors(LthFastLevel *L) {
   LthFastVector x = L->x;
   L->x = L->y;
@@ -19,8 +26,11 @@ static void swap_vectors(LthFastLevel *L) {
 }
 
 /// Steps first ... last of a smoother; sums of b . x of the last one in `sum`, where not NULL.
-static void smooth(LitheCtx *ctx, LthFastLevel *L, int first, int last, double *sum) {
+static void smooth(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, int first, int last,
+                   double *sum) {
+  LthFastLevel *L = &M->level[l];
   const LthFastKernels *k = lth_fast_kernels(L);
+  M->work_done += share_of(M, l) * (last - first + 1);
   for (int i = first; i <= last; i++) {
     LthFastStep step = step_of(L, i);
     if (first == 2 && i == 2) step.fresh = true; // the iterate before was zero
@@ -34,16 +44,20 @@ static void smooth(LitheCtx *ctx, LthFastLevel *L, int first, int last, double *
   }
 }
 
-static void start(LitheCtx *ctx, LthFastLevel *L) {
+static void start(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
+  LthFastLevel *L = &M->level[l];
   const LthFastKernels *k = lth_fast_kernels(L);
+  M->work_done += 0.5 * share_of(M, l);
   float length = step_of(L, 1).length;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < L->n_active; b++) k->start(L, L->active[b], length);
 }
 
 /// Right-hand side of the coarser level: the residual, or (`of_b`) the right-hand side.
-static void restrict_down(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse, bool of_b) {
+static void restrict_down(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool of_b) {
+  const LthFastLevel *L = &M->level[l], *coarse = L + 1;
   const LthFastKernels *k = lth_fast_kernels(L);
+  M->work_done += (of_b ? 0.75 : 1.25) * share_of(M, l) + 0.25 * share_of(M, l + 1);
 #pragma omp parallel num_threads(lth_threads(ctx))
   {
 #pragma omp for schedule(static)
@@ -53,8 +67,10 @@ static void restrict_down(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse, 
   }
 }
 
-static void prolong_up(LitheCtx *ctx, LthFastLevel *L, const LthFastLevel *coarse, bool add) {
+static void prolong_up(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool add) {
+  const LthFastLevel *L = &M->level[l], *coarse = L + 1;
   const LthFastKernels *k = lth_fast_kernels(L);
+  M->work_done += (add ? 0.5 : 0.25) * share_of(M, l) + 0.25 * share_of(M, l + 1);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, add);
 }
@@ -62,6 +78,8 @@ static void prolong_up(LitheCtx *ctx, LthFastLevel *L, const LthFastLevel *coars
 /// x of the coarsest level by its factor.
 static LitheStatus solve_coarsest(LthFastLevel *L, LitheCtx *ctx, LthStaggeredMultigrid *M,
                                   double *sum) {
+  M->work_done +=
+      lth_staggered_coarsest_bytes(&M->coarsest) / (16.0 * (double)M->hierarchy->n_free[0]);
   LITHE_TRY(lth_staggered_coarsest_solve(ctx, &M->coarsest));
   for (LitheIndex i = 0; sum && i < L->n_active; i++) {
     LitheIndex b = L->active[i];
@@ -85,13 +103,14 @@ static LitheStatus run_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, con
 static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, const Steps *steps) {
   LthFastLevel *L = &M->level[l];
   if (l < M->n_levels - 1) {
-    restrict_down(ctx, L, L + 1, false);
+    restrict_down(ctx, M, l, false);
     LITHE_TRY(run_cycle(ctx, M, l + 1, steps, true, NULL));
-    prolong_up(ctx, L, L + 1, true);
+    prolong_up(ctx, M, l, true);
     return LITHE_OK;
   }
   if (!M->clusters) return LITHE_OK;
   const LthFastKernels *k = lth_fast_kernels(L);
+  M->work_done += share_of(M, l);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < L->n_active; b++) k->residual(L, L->active[b]);
   return lth_staggered_clusters_correct(ctx, M->clusters);
@@ -101,10 +120,10 @@ static LitheStatus run_cycle(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, con
                              bool from_zero, double *sum) {
   LthFastLevel *L = &M->level[l];
   if (l == M->n_levels - 1 && M->coarsest.A) return solve_coarsest(L, ctx, M, sum);
-  if (from_zero) start(ctx, L);
-  smooth(ctx, L, from_zero ? 2 : 1, steps->before, NULL);
+  if (from_zero) start(ctx, M, l);
+  smooth(ctx, M, l, from_zero ? 2 : 1, steps->before, NULL);
   LITHE_TRY(correct(ctx, M, l, steps));
-  smooth(ctx, L, 1, steps->after, sum);
+  smooth(ctx, M, l, 1, steps->after, sum);
   return LITHE_OK;
 }
 
@@ -126,18 +145,18 @@ typedef struct Pass {
 
 static Pass pass_of(const LthStaggeredMultigrid *M) {
   const bool space = M->fine.grid->dim == 3, stiff = M->degree >= STIFF_DEGREE;
-  return (Pass){.steps = {M->degree + (space && stiff ? (2 * M->degree) / 5 : 1), 0},
-                .coarse_cycles = space || stiff ? 2 : 1};
+  const int before = !stiff ? M->degree + 1 : (space ? 14 : 9) * M->degree / 10;
+  return (Pass){.steps = {before, 0}, .coarse_cycles = space || stiff ? 2 : 1};
 }
 
 LitheStatus lth_staggered_full(LitheCtx *ctx, LthStaggeredMultigrid *M) {
   const int last = M->n_levels - 1;
   const Steps same = {M->degree, M->degree};
   const Pass pass = pass_of(M);
-  for (int l = 0; l < last; l++) restrict_down(ctx, &M->level[l], &M->level[l + 1], true);
+  for (int l = 0; l < last; l++) restrict_down(ctx, M, l, true);
   LITHE_TRY(run_cycle(ctx, M, last, &same, true, NULL));
   for (int l = last - 1; l >= 0; l--) {
-    prolong_up(ctx, &M->level[l], &M->level[l + 1], false);
+    prolong_up(ctx, M, l, false);
     for (int i = 0; i < (l > 0 ? pass.coarse_cycles : 1); i++)
       LITHE_TRY(run_cycle(ctx, M, l, &pass.steps, false, NULL));
   }

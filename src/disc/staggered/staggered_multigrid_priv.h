@@ -21,7 +21,8 @@ struct LthStaggeredMultigrid {
   double *work;     ///< q = A p, and in the same place x and y of level 0 (n_rows x width)
   float *vectors[LTH_STAGGERED_MAX_LEVELS]; ///< b of level 0; x, y and b of the others
   double *sum;                              ///< one of each active block  (n_active)
-  double *extra_x, *extra_y;                ///< of `extra`, or NULL                   (n_dofs)
+  double work_done;          ///< by cycles and full multigrid so far, in applications of level 0
+  double *extra_x, *extra_y; ///< of `extra`, or NULL                   (n_dofs)
 };
 
 /// x of level 0 from its b by one V-cycle from zero; product = b . x.

@@ -51,12 +51,19 @@ ALWAYS N(Lane) N(shift_down)(N(Lane) before, N(Lane) v) {
 #endif
 }
 
+/// Where eight rows stand, and their numbers.
+#ifndef PLACES
+#define PLACES
+typedef intptr_t Places __attribute__((vector_size(64), aligned(8), may_alias));
+typedef LitheIndex Numbers __attribute__((vector_size(32), aligned(4), may_alias));
+#endif
+
 /// Where rows of a block and those around it stand: in the blocks before, here and after along x.
 typedef struct N(Rows) {
   const REAL *at[3][N_ROWS];
 } N(Rows);
 
-/// Rows of one block: row r stands at values + row[r] stride.
+/// Rows of one block: row r stands at values + row[r] stride; `row` is NULL where they follow each other.
 typedef struct N(Near) {
   const REAL *values;
   const LitheIndex *row;
@@ -68,34 +75,42 @@ ALWAYS bool N(is_full)(const LthFastLevel *L, LitheIndex block) {
 }
 
 /// A block, -1: none. Rows of one that is full are not looked up, nor waited for.
-ALWAYS N(Near) N(find_near)(const LthFastLevel *L, LitheIndex block, const REAL *values,
-                            LitheCount stride, const LitheIndex in_order[BLOCK_ROWS]) {
+ALWAYS N(Near)
+    N(find_near)(const LthFastLevel *L, LitheIndex block, const REAL *values, LitheCount stride) {
   static const LitheIndex no_rows[BLOCK_ROWS];
   if (block < 0) return (N(Near)){values, no_rows};
-  if (N(is_full)(L, block)) return (N(Near)){values + L->first[block] * stride, in_order};
+  if (N(is_full)(L, block)) return (N(Near)){values + L->first[block] * stride, NULL};
   return (N(Near)){values, L->row + block * (LitheCount)BLOCK_ROWS};
 }
 
-/// Rows first ... first + n - 1.
-ALWAYS void N(find_places)(N(Near) near, int first, int n, LitheCount stride, const REAL **to) {
-  for (int r = 0; r < n; r++) to[r] = near.values + near.row[first + r] * stride;
+ALWAYS const REAL *N(place)(const N(Near) * near, int row, LitheCount stride) {
+  return near->values + (near->row ? near->row[row] : row) * stride;
+}
+
+/// Rows first ... first + SIDE - 1, eight at a time.
+ALWAYS void N(find_places)(const N(Near) * near, int first, LitheCount stride, const REAL **to) {
+  const intptr_t values = (intptr_t)near->values, size = stride * (LitheCount)sizeof(REAL);
+  UNROLL
+  for (int r = 0; r < SIDE; r += 8) {
+    Places row = first + r + (Places){0, 1, 2, 3, 4, 5, 6, 7};
+    if (near->row) row = __builtin_convertvector(*(const Numbers *)(near->row + first + r), Places);
+    *(Places *)(to + r) = values + row * size;
+  }
 }
 
 /// Rows of vectors around a block, whose own number and those of its neighbours are given, -1 where there is none.
 ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], const REAL *values,
                          LitheCount stride, N(Rows) * rows) {
-  LitheIndex in_order[BLOCK_ROWS];
-  N(Near) near[N_NEAR];
-  for (int r = 0; r < BLOCK_ROWS; r++) in_order[r] = r;
-  for (int i = 0; i < N_NEAR; i++) near[i] = N(find_near)(L, block[i], values, stride, in_order);
-  for (int k = FIRST_K; k < DEEP - FIRST_K; k++) {
-    const N(Near) *plane = near + 9 * (k < 0 ? 0 : k >= DEEP ? 2 : DIM == 3);
-    const int at = (k & (DEEP - 1)) * SIDE;
-    for (int x = 0; x < 3; x++) {
+  for (int i = 0; i < N_NEAR; i++) {
+    const N(Near) near = N(find_near)(L, block[i], values, stride);
+    const int x = i % 3, y = i / 3 % 3, z = DIM == 3 ? i / 9 : 1;
+    const int last = z == 0 ? 0 : z == 2 ? DEEP : DEEP - 1;
+    for (int k = z == 0 ? FIRST_K : z == 2 ? DEEP : 0; k < (z == 0 ? 0 : last + 1); k++) {
       const REAL **to = rows->at[x] + ROW(-1, k);
-      N(find_places)(plane[x], at + SIDE - 1, 1, stride, to);
-      N(find_places)(plane[3 + x], at, SIDE, stride, to + 1);
-      N(find_places)(plane[6 + x], at, 1, stride, to + 1 + SIDE);
+      const int at = (k & (DEEP - 1)) * SIDE;
+      if (y == 0) to[0] = N(place)(&near, at + SIDE - 1, stride);
+      if (y == 1) N(find_places)(&near, at, stride, to + 1);
+      if (y == 2) to[1 + SIDE] = N(place)(&near, at, stride);
     }
   }
 }
@@ -120,35 +135,6 @@ ALWAYS N(Lane) N(at)(const N(Rows) * rows, int c, int r, int x, int i) {
 ALWAYS void N(fetch_row)(const REAL *at) {
   UNROLL
   for (int i = 0; i < WIDTH; i += 64 / (int)sizeof(REAL)) __builtin_prefetch(at + i, 0, 2);
-}
-
-/// One of the rows that a block reads of those that follow it along y and z, whom nobody has touched before: all of them
-/// as `row` goes over the rows of a block. Returns its block, or -1.
-ALWAYS LitheIndex N(margin)(const LitheIndex *near, int row, int *at) {
-  if (row % (DIM == 3 ? 4 : SIDE)) return -1;
-  const int n = row / 4, plane = DIM == 3 && n >= SIDE;
-  *at = plane ? n - SIDE : n * SIDE;
-  return near[N_NEAR / 2 + (plane ? 9 : 3)];
-}
-
-ALWAYS void N(fetch_margin)(const LthFastLevel *L, const LitheIndex *near, int row,
-                            const REAL *values, LitheCount stride) {
-  int at;
-  const LitheIndex block = N(margin)(near, row, &at);
-  if (block < 0) return;
-  const LitheIndex to =
-      N(is_full)(L, block) ? L->first[block] + at : L->row[block * (LitheCount)BLOCK_ROWS + at];
-  N(fetch_row)(values + to * stride);
-}
-
-/// The same for numbers of rows of samples, of the block too.
-ALWAYS void N(fetch_numbers)(const LthStaggeredLevel *l, const LitheIndex *near, int row) {
-  enum { LINE = 64 / (int)sizeof(LitheIndex), LINES = BLOCK_ROWS / LINE };
-  if (row % 4 != 2 || row / 4 >= DIM * LINES) return;
-  const int n = row / 4, away[3] = {0, 3, 9};
-  const LitheIndex block = near[N_NEAR / 2 + away[n / LINES]];
-  if (block >= 0)
-    __builtin_prefetch(l->row + block * (LitheCount)BLOCK_ROWS + n % LINES * LINE, 0, 2);
 }
 
 /// How much component c grows along an axis from row r, place x.
@@ -180,19 +166,21 @@ ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ra
   return c;
 }
 
-/// f = A u in row r.
-ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
-                           N(Lane) f[DIM]) {
+/// f = A u in row r; returns the divergence there. `before`: where it is known below along y and z, else NULL.
+ALWAYS N(Lane) N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
+                              const N(Lane) before[DIM], N(Lane) f[DIM]) {
   const N(Lane) here = N(divergence)(rows, c->ratio, r, 0, i);
   UNROLL
   for (int a = 0; a < DIM; a++) {
-    const N(Lane) before = N(divergence)(rows, c->ratio, r - UP(a), -(a == 0), i);
-    f[a] = c->inertia * N(at)(rows, a, r, 0, i) - c->gradient[a] * (here - before);
+    const N(Lane) there =
+        a > 0 && before ? before[a] : N(divergence)(rows, c->ratio, r - UP(a), -(a == 0), i);
+    f[a] = c->inertia * N(at)(rows, a, r, 0, i) - c->gradient[a] * (here - there);
     UNROLL
     for (int b = 0; b < DIM; b++)
       f[a] += c->laplacian[b] *
               (N(rise)(rows, a, b, r - UP(b), -(b == 0), i) - N(rise)(rows, a, b, r, 0, i));
   }
+  return here;
 }
 
 #define N_SHEAR (DIM == 3 ? 3 : 1)
@@ -238,25 +226,51 @@ ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
   for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + at, 0, 2);
 }
 
-/// The same for those that a block reads of the ones that follow it along y and z.
-ALWAYS void N(fetch_edges)(const N(Samples) * c, const LthStaggeredLevel *l, const LitheIndex *near,
-                           int row) {
-  int at;
-  const LitheIndex block = N(margin)(near, row, &at);
-  if (block < 0) return;
-  const LitheCount to = c->stride * l->row[block * (LitheCount)BLOCK_ROWS + at];
+/// What is fetched while a block is computed: rows that the next one reads of those that follow it along y and z, whom nobody has
+/// touched before; of a general one samples there; and numbers of samples of a later one and of those that follow it.
+typedef struct N(Ahead) {
+  N(Near) near[2];
+  LitheCount stride;
+  const LitheIndex *samples[2], *numbers[3]; ///< NULL: none
+} N(Ahead);
+
+ALWAYS void N(look_ahead)(const LthFastLevel *L, LitheIndex block, const REAL *values,
+                          LitheCount stride, N(Ahead) * A) {
+  const LthSparseGrid *g = L->grid;
+  const LitheIndex *row = L->level->row, next = block_later(g, block, 1);
+  const LitheIndex *near = g->neighbor + (LitheCount)next * N_NEAR + N_NEAR / 2;
+  const LitheIndex *later =
+      g->neighbor + (LitheCount)block_later(g, block, 2) * N_NEAR + N_NEAR / 2;
+  const bool general = L->kind[next] == LTH_BLOCK_GENERAL;
+  A->stride = stride;
   UNROLL
-  for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + to, 0, 2);
+  for (int i = 0; i < DIM; i++) {
+    const int to = i == 0 ? 0 : i == 1 ? 3 : 9;
+    A->numbers[i] = later[to] < 0 ? NULL : row + later[to] * (LitheCount)BLOCK_ROWS;
+    if (i == 0) continue;
+    A->near[i - 1] = N(find_near)(L, near[to], values, stride);
+    A->samples[i - 1] = general && near[to] >= 0 ? row + near[to] * (LitheCount)BLOCK_ROWS : NULL;
+  }
 }
 
-/// With row `row` of a block, fetch what is wanted of the surroundings of the next one.
-ALWAYS void N(fetch_around)(const LthFastLevel *L, const N(Samples) * c, LitheIndex block, int row,
-                            const REAL *values, LitheCount stride) {
-  const LitheIndex next = block_later(L->grid, block, 1), later = block_later(L->grid, block, 2);
-  const LitheIndex *near = L->grid->neighbor + (LitheCount)next * N_NEAR;
-  N(fetch_margin)(L, near, row, values, stride);
-  N(fetch_numbers)(L->level, L->grid->neighbor + (LitheCount)later * N_NEAR, row);
-  if (L->kind[next] == LTH_BLOCK_GENERAL) N(fetch_edges)(c, L->level, near, row);
+/// What belongs to row `row` of a block.
+ALWAYS void N(fetch_ahead)(const N(Ahead) * A, const N(Samples) * c, int row) {
+  enum {
+    LINE = 64 / (int)sizeof(LitheIndex),
+    LINES = BLOCK_ROWS / LINE,
+    EVERY = DIM == 3 ? 4 : SIDE
+  };
+  if (row % 4 == 2 && row / 4 < DIM * LINES) {
+    const LitheIndex *numbers = A->numbers[row / 4 / LINES];
+    if (numbers) __builtin_prefetch(numbers + row / 4 % LINES * LINE, 0, 2);
+  }
+  if (row % EVERY) return;
+  const int n = row / EVERY, plane = n >= SIDE, at = DIM == 2 ? 0 : plane ? n - SIDE : n * SIDE;
+  N(fetch_row)(N(place)(&A->near[plane], at, A->stride));
+  if (!A->samples[plane]) return;
+  UNROLL
+  for (int e = 0; e < N_SHEAR; e++)
+    __builtin_prefetch(c->shear[e] + A->samples[plane][at] * c->stride, 0, 2);
 }
 
 /// Normal stress along axis a in the cells of row r, place x.
@@ -313,14 +327,33 @@ typedef struct N(Block) {
   N(Rows) rows;
   N(Constant) same; ///< in plain rows
   N(Samples) samples;
+  N(Ahead) ahead;
   uint64_t plain;
+  N(Lane)
+  before[SIDE / LANES], under[SIDE][SIDE / LANES]; ///< divergences, where all rows are plain
 } N(Block);
 
+/// f = K u with the inertia of `same` in a row of a block whose rows are all plain, one after the other.
+ALWAYS void N(next_row)(N(Block) * B, int j, int k, int i, N(Lane) f[DIM]) {
+  const N(Rows) *rows = &B->rows;
+  N(Lane) *before = &B->before[i / LANES], *under = &B->under[j][i / LANES];
+  if (j == 0) *before = N(divergence)(rows, B->same.ratio, ROW(-1, k), 0, i);
+  if (DIM == 3 && k == 0) *under = N(divergence)(rows, B->same.ratio, ROW(j, FIRST_K), 0, i);
+#if DIM == 3
+  const N(Lane) both[] = {*under, *before, *under};
+#else
+  const N(Lane) both[] = {*before, *before};
+#endif
+  *before = *under = N(uniform_row)(rows, &B->same, ROW(j, k), i, both, f);
+}
+
 /// f = K u (in plain rows with the inertia of `same`) in a row of the block, `all_plain`: whose rows are all plain.
-ALWAYS void N(row)(const N(Block) * B, const bool all_plain, int row, int i, N(Lane) f[DIM]) {
+ALWAYS void N(row)(N(Block) * B, const bool all_plain, int row, int i, N(Lane) f[DIM]) {
   const int j = row & (SIDE - 1), k = row / SIDE;
-  if (all_plain || B->plain >> row & 1)
-    N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, f);
+  if (all_plain)
+    N(next_row)(B, j, k, i, f);
+  else if (B->plain >> row & 1)
+    N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, NULL, f);
   else
     N(general_row)(&B->rows, &B->samples, j, k, i, f);
 }
