@@ -188,6 +188,7 @@ static void swap_lists(LthContact *c) {
 /// What the step before leaves for the one that begins.
 static void end_step(LthContact *c) {
   c->begin_penetration = c->penetration;
+  lth_contact_end_account(c);
   adapt_stiffness(c);
   if (c->look <= LTH_LOOK_FIRST) move_anchors(c);
   swap_lists(c);
@@ -223,7 +224,7 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
   // where colliders were at the end of the step before, for anchors: an equilibrium's own time, or now
   if (!c->is_search) c->t = t;
   c->is_search = c->look != LTH_LOOK_STEP;
-  c->dt = dt, c->round = 0, c->friction_round = 0;
+  c->dt = dt, c->round = 0, c->friction_round = 0, c->n_acted = 0, c->drops = false;
   if (c->kind->begin) LITHE_TRY(c->kind->begin(ctx, c));
   if (c->again)
     go_back(c);
@@ -231,6 +232,7 @@ LitheStatus lth_contact_detect(LitheCtx *ctx, LthContact *c, double t, double dt
     end_step(c);
   c->t = t;
   LITHE_TRY(c->kind->find_near(ctx, c));
+  lth_contact_relax(c);
   LITHE_TRY(lth_contact_reserve(ctx, c));
   lth_contact_index(c);
   c->penetration = 0, c->force = 0;
@@ -247,6 +249,8 @@ void lth_contact_report(const LthContact *c, LitheIndex *n, double *penetration,
   *force = c->force;
 }
 
+bool lth_contact_acted(const LthContact *c) { return c->n_acted > 0; }
+
 double lth_contact_stiffness(const LthContact *c) { return c->stiffness; }
 
 void lth_contact_set_look(LthContact *c, LthContactLook look) { c->look = look; }
@@ -255,4 +259,7 @@ void lth_contact_join_run(LthContact *c) { c->started = true; }
 
 void lth_contact_begin_again(LthContact *c) { c->again = true; }
 
-void lth_contact_set_weight(LthContact *c, double weight) { c->weight = weight; }
+void lth_contact_set_weight(LthContact *c, double weight, double ahead) {
+  c->weight = weight;
+  c->ahead = ahead;
+}

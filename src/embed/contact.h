@@ -140,8 +140,9 @@ void lth_contact_join_run(LthContact *contact);
 void lth_contact_begin_again(LthContact *contact);
 
 /// Forces of the next steps act over `weight` dt, 1 at first: a trapezoidal rule looks half a step ahead (dt) and
-/// lets the forces at its end act for all of it.
-void lth_contact_set_weight(LthContact *contact, double weight);
+/// lets the forces at its end act for all of it. Displacements given to looks are those of the step's start and `ahead` [s] on at the
+/// velocity given.
+void lth_contact_set_weight(LthContact *contact, double weight, double ahead);
 
 /// The contact part of the system matrix acting on v1: y += W^T D W v, D of equation (4) of
 /// docs/theory/contact.md, symmetric and positive semi-definite.
@@ -178,6 +179,17 @@ bool lth_contact_revise(LthContact *contact, const double *v1);
 /// Number of active points, deepest penetration [m] and total normal force [N] of the last solve.
 void lth_contact_report(const LthContact *contact, LitheIndex *n, double *penetration,
                         double *force);
+
+/// After the last revision: where points that were active and pull have made more energy than springs have lost before, those are left out, and no
+/// others come in any more in this step. True where the step should be solved again.
+bool lth_contact_drop_pulls(LthContact *contact);
+
+/// Whether the last solve had forces of this contact in it: the points that are active after it may be others.
+bool lth_contact_acted(const LthContact *contact);
+
+/// Energy in springs after the last solve, and what they have lost so far and may press others with [J]. Between bodies, and between parts, neither the
+/// first nor the sum of both rises but by work of the bodies.
+void lth_contact_energy(const LthContact *contact, double *stored, double *spare);
 
 /// What a later step needs to know of the steps before: anchors, limits, an automatic stiffness. Walks
 /// outwards or inwards.

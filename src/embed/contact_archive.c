@@ -19,6 +19,8 @@ void lth_contact_archive(LthContact *c, LthArchive *a) {
   LTH_ARCHIVE(a, c->force);
   LTH_ARCHIVE(a, c->warned);
   LTH_ARCHIVE(a, c->started);
+  LTH_ARCHIVE(a, c->spare);
+  LTH_ARCHIVE(a, c->spent);
   lth_archive_count(a, &n);
   if (a->status == LITHE_OK && a->is_reading) a->status = make_room(c, n);
   if (a->status != LITHE_OK) return;
@@ -46,6 +48,7 @@ static bool comes_before(const LthTouch *a, const LthTouch *b) {
 }
 
 void lth_contact_take(LthContact *c, const LthContact *from) {
+  double stored;
   c->t = from->t;
   c->dt = from->dt;
   c->is_search = from->is_search;
@@ -56,6 +59,7 @@ void lth_contact_take(LthContact *c, const LthContact *from) {
   c->force = from->force;
   c->warned = from->warned;
   c->started = from->started;
+  lth_contact_energy(from, &stored, &c->spare);
   c->n_touch = 0;
 }
 
@@ -64,6 +68,7 @@ LitheStatus lth_contact_insert(LitheCtx *ctx, LthContact *c, const LthTouch *tou
   LitheIndex at = c->n_touch++; // near its place: numbers mostly ascend
   for (; at > 0 && comes_before(touch, c->touch + at - 1); at--) c->touch[at] = c->touch[at - 1];
   c->touch[at] = *touch;
+  c->touch[at].lost = 0; // of steps before: it is in `spare` by now
   return LITHE_OK;
 }
 

@@ -72,8 +72,8 @@ void lth_touch_add_foot(const LthSurface *surface, const LthHit *hit, int side, 
 }
 
 /// Stretch of friction's spring at the start, and what it would be if the point went on as it does.
-static void set_offset(const LthContact *c, const LthSurface *surface, LthTouch *touch,
-                       const double v[3]) {
+static void set_offset(const LthContact *c, const LthSurface *surface, const LthTouch *old,
+                       LthTouch *touch, const double v[3]) {
   lth_touch_place(c, touch, touch->offset);
   for (int k = 0; k < 3; k++)
     lth_v3_axpy(-touch->anchor[k],
@@ -81,6 +81,7 @@ static void set_offset(const LthContact *c, const LthSurface *surface, LthTouch 
                     3 * (size_t)surface->tris[3 * (size_t)touch->anchor_tri + (size_t)k],
                 touch->offset);
   lth_v3_axpy(-lth_v3_dot(touch->offset, touch->normal), touch->normal, touch->offset);
+  lth_touch_limit_stretch(c, old, touch);
   lth_touch_stretch(c, touch, v);
 }
 
@@ -88,12 +89,13 @@ void lth_touch_meet(LthContact *c, const LthSurface *surface, const LthHit *hit,
                     LthTouch *touch) {
   lth_v3_copy(v, touch->start);
   lth_v3_copy(hit->normal, touch->normal);
-  touch->gap = hit->gap + touch->slack;
+  const LthTouch *old = lth_touch_before(c, touch);
+  lth_touch_begin(c, old, hit, touch);
   double end = touch->gap + c->dt * lth_v3_dot(touch->normal, v);
   touch->active = end < 0;
   touch->limit = c->friction * touch->stiffness * fmax(-end, 0);
   lth_touch_fix(surface, hit->tri, hit->point, touch);
   lth_touch_remember(c, touch, v);
-  set_offset(c, surface, touch, v);
+  set_offset(c, surface, old, touch, v);
   lth_touch_linearize(c, touch);
 }

@@ -181,7 +181,7 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, int s) {
     const LthHit *hit = &mine->hit[p];
     double v[3];
     if (hit->tri < 0) continue;
-    LthTouch touch = {.side = s, .point = p, .gap = hit->gap};
+    LthTouch touch = {.side = s, .point = p};
     set_legs(other, hit, &touch);
     lth_touch_value(c, &touch, v);
     if (hit->gap > REACH_STEPS * c->dt * lth_v3_norm(v) + REACH_CELLS * c->cell_size) continue;
@@ -218,7 +218,8 @@ static LitheStatus pair_find_near(LitheCtx *ctx, LthContact *c) {
 static const LthContactKind pair_kind = {.begin = pair_begin,
                                          .find_near = pair_find_near,
                                          .move_anchor = pair_move_anchor,
-                                         .destroy = pair_destroy};
+                                         .destroy = pair_destroy,
+                                         .keeps_energy = true};
 
 LitheStatus lth_contact_create_pair(LitheCtx *ctx, const LthPairDef *def, LthContact **contact) {
   LitheStatus status = LITHE_OK;

@@ -15,7 +15,6 @@
   0.3 ///< of the stiffness of other contacts: less work, and still a third of what a layer of cells gives way by
 #define LARGE 0.4   ///< of a cell: longest edge of a triangle that touches by its middle
 #define MARGIN 0.01 ///< of a cell: depth of points that were not inside in the last step ...
-#define RELAX 1e-3  ///< of a cell: what a spring takes up of its slack in a step
 #define WAYS 1.5    ///< ... besides what they went in it
 #define SERIAL 256  ///< up to so many triangles waking threads costs more than it saves
 
@@ -179,19 +178,8 @@ static bool is_too_deep(const LthContact *c, const LthTouch *old, const LthHit *
   double gap = old ? old->gap_end - old->slack : 0;
   if (old && !old->active && -hit->gap > limit + way * lth_v3_norm(v) - gap) return true;
   if (old || !c->started) limit += way * fmax(-lth_v3_dot(v, hit->normal), 0);
-  if (old && old->active) limit += fmax(-gap, 0);
+  if (old) limit += fmax(-gap, 0);
   return -hit->gap > limit;
-}
-
-/// What a point is deeper than its spring was pressed in the last step and than it came since. Springs that find themselves pressed all
-/// of a sudden would make energy; these begin unpressed, and push out what is left slowly.
-static double find_slack(const LthContact *c, const LthTouch *old, const LthHit *hit,
-                         const double v[3]) {
-  if (c->look != LTH_LOOK_STEP || !(hit->gap < 0) || !c->started) return 0;
-  double pressed = RELAX * c->cell_size;
-  if (old) pressed += c->dt * fmax(-lth_v3_dot(v, hit->normal), 0);
-  if (old && old->active) pressed += fmax(-old->gap_end, 0);
-  return fmax(-hit->gap - pressed, 0);
 }
 
 /// Turn the hits of the listed triangles into touches.
@@ -210,7 +198,6 @@ static LitheStatus collect(LitheCtx *ctx, LthContact *c, const LthNearParts *nea
       const LthTouch *old = lth_touch_before(c, &touch);
       if (is_too_deep(c, old, hit, v)) continue;
       touch.stiffness = c->stiffness * parts->share[mine->side][i];
-      touch.slack = find_slack(c, old, hit, v);
       lth_touch_meet(c, &other->surface, hit, v, &touch);
       LITHE_TRY(lth_touch_add(ctx, c, &touch));
     }
@@ -272,7 +259,8 @@ static void parts_move_anchor(const LthContact *c, LthTouch *touch, const double
 static const LthContactKind parts_kind = {.begin = parts_begin,
                                           .find_near = parts_find_near,
                                           .move_anchor = parts_move_anchor,
-                                          .destroy = parts_destroy};
+                                          .destroy = parts_destroy,
+                                          .keeps_energy = true};
 
 bool lth_contact_is_within(const LthContact *c) {
   return c->kind == &parts_kind && c->n_sides == 1;

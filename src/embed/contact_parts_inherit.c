@@ -144,7 +144,8 @@ LitheStatus lth_contact_inherit_parts(LitheCtx *ctx, LthContact *c, const LthCon
   for (int s = 0; s < c->n_sides; s++) LITHE_TRY_OR(done, list_places(ctx, parts, s, &list[s]));
   for (LitheIndex i = 0; i < from->n_touch; i++) {
     LthTouch touch;
-    if (!from->touch[i].active || !renew(c, parts, was, list, &from->touch[i], &touch)) continue;
+    const bool matters = from->touch[i].active || from->touch[i].slack > 0;
+    if (!matters || !renew(c, parts, was, list, &from->touch[i], &touch)) continue;
     LITHE_TRY_OR(done, lth_contact_insert(ctx, c, &touch));
   }
   LITHE_TRY_OR(done, lth_contact_reserve(ctx, c));

@@ -22,23 +22,27 @@ typedef struct LthTouch {
   int n_legs, n_own;
   LthLeg leg[LTH_LEGS_MAX]; ///< the first n_own are the point itself, their weights sum to one
   bool active;
-  bool anchored; ///< has been active in this search for an equilibrium
-  double gap;    ///< of the start place to the collider at the end of the step, with slack [m]
-  double slack;  ///< depth at which the spring is not pressed; 0 but in contacts of parts [m]
+  bool acted;     ///< was active in the last solve
+  bool anchored;  ///< has been active in this search for an equilibrium
+  double gap;     ///< of the start place to the collider at the end of the step, with slack [m]
+  double slack;   ///< depth at which the spring is not pressed; 0 at colliders [m]
+  double pressed; ///< the spring at the start of the step, below zero at a gap [m]
   double normal[3];
   double stiffness;      ///< k times the point's area [N/m]
   double velocity[3];    ///< of the collider's material there [m/s]
   LitheIndex anchor_tri; ///< of the other body, where friction's spring is fixed
   double
       anchor[3]; ///< place in the collider's rest frame [m], or weights of the triangle's corners
-  double offset[3];  ///< tangential stretch of that spring if the point stayed where it is [m]
-  double start[3];   ///< velocity of the point at the start [m/s]
-  double trial[3];   ///< stretch by the last solve, or as predicted [m]
-  double spring;     ///< secant stiffness of friction [N/m], at most `stiffness`
-  double limit;      ///< mu times the normal force of the last solve [N]
-  double gap_end;    ///< at the end of the step by the last solve, with slack [m]
-  double force_n;    ///< normal force of the last solve [N]
-  double D[9], r[3]; ///< equation (4)
+  double offset[3];     ///< tangential stretch of that spring if the point stayed where it is [m]
+  double start[3];      ///< velocity of the point at the start [m/s]
+  double trial[3];      ///< stretch by the last solve, or as predicted [m]
+  double spring;        ///< secant stiffness of friction [N/m], at most `stiffness`
+  double limit;         ///< mu times the normal force of the last solve [N]
+  double gap_end;       ///< at the end of the step by the last solve, with slack [m]
+  double force_n;       ///< normal force of the last solve [N]
+  double stored, drawn; ///< in the normal's spring and in friction's, by the last solve [J]
+  double lost;          ///< by the normal's in the step [J]
+  double D[9], r[3];    ///< equation (4)
 } LthTouch;
 
 /// A body in a contact: where its points are, and its part of the linear system.
@@ -81,7 +85,8 @@ typedef struct LthContactKind {
                            LthContact *c); ///< appends to c->touch, by side, other, point
   void (*move_anchor)(const LthContact *c, LthTouch *touch, const double x[3]);
   void (*destroy)(LitheCtx *ctx, LthContact *c); ///< frees c->self
-  bool may_grow; ///< an automatic stiffness, where a body rests too deep
+  bool may_grow;     ///< an automatic stiffness, where a body rests too deep
+  bool keeps_energy; ///< springs give back no more than they took
 } LthContactKind;
 
 /// The point of another surface that a point may touch.
@@ -122,6 +127,9 @@ struct LthContact {
   LthContactLook look;
   bool is_search; ///< the last look was for an equilibrium
   double weight;  ///< time that forces act over dt; 1, or 2 where dt is half a step
+  double ahead; ///< of the places of a look beyond those of the step's start, at their velocity [s]
+  double spare,
+      spent; ///< energy that springs had lost when the step began, and what slacks take of it [J]
   int round, friction_round;
   double penetration, force, last_penetration;
   double begin_penetration; ///< when the step began
@@ -134,6 +142,8 @@ struct LthContact {
   LitheCount touch_cap, before_cap;
   LitheIndex n_touch, n_before, before_at; ///< before_at: how far lth_touch_remember() has come
 
+  LitheIndex n_acted; ///< points that the last solve had active
+  bool drops;         ///< no more points come in in this step
   LitheIndex *active; ///< places in touch, ascending               (n_active)
   LitheCount active_cap;
   LitheIndex n_active;
@@ -212,6 +222,25 @@ void lth_touch_add_foot(const LthSurface *surface, const LthHit *hit, int side, 
 /// equations.
 void lth_touch_meet(LthContact *c, const LthSurface *surface, const LthHit *hit, double v[3],
                     LthTouch *touch);
+
+// contact_energy.c
+
+/// Gap, slack and compression of a touch whose normal, stiffness and velocity at the start are set; `old`: the same point in the last step,
+/// or NULL.
+void lth_touch_begin(const LthContact *c, const LthTouch *old, const LthHit *hit, LthTouch *touch);
+
+/// Let friction's spring begin with no more than it held.
+void lth_touch_limit_stretch(const LthContact *c, const LthTouch *old, LthTouch *touch);
+
+/// What the springs of a touch hold after a solve, and what was lost in it. `acted`: the point was active in it, friction's secant was
+/// `spring`.
+void lth_touch_account(const LthContact *c, bool acted, double spring, LthTouch *touch);
+
+/// When a step has ended: what its springs have lost may press others.
+void lth_contact_end_account(LthContact *c);
+
+/// Once all points are known: take up some of their slack with what was lost before.
+void lth_contact_relax(LthContact *c);
 
 // contact_seek.c
 

@@ -61,10 +61,11 @@ static void revise_touch(const LthContact *c, LthTouch *touch, double missed[2])
   lth_touch_value(c, touch, v);
   force = normal_force(c, touch, v);
   bool was_active = touch->active;
-  touch->active = force > 0;
+  touch->active = force > 0 && (was_active || !c->drops);
   touch->force_n = fmax(force, 0);
   touch->limit = c->friction * touch->force_n;
   lth_touch_stretch(c, touch, v);
+  lth_touch_account(c, was_active, spring, touch);
   missed[0] = was_active != touch->active ? fabs(force) : 0;
   missed[1] =
       was_active && touch->active ? fabs(touch->spring - spring) * lth_v3_norm(touch->trial) : 0;
@@ -75,7 +76,8 @@ static void revise_touch(const LthContact *c, LthTouch *touch, double missed[2])
 // rim of a resting patch always come and go.
 bool lth_contact_revise(LthContact *c, const double *v1) {
   double missed[2] = {0, 0};
-  LitheIndex n_before = c->n_active;
+  const LitheIndex n_before = c->n_active;
+  c->n_acted = n_before;
   c->penetration = 0, c->force = 0;
   for (int s = 0; s < c->n_sides; s++)
     lth_embedding_sample(c->side[s].points, 1, v1 + c->side[s].first_dof, c->side[s].sample_value);
@@ -85,9 +87,9 @@ bool lth_contact_revise(LthContact *c, const double *v1) {
     revise_touch(c, touch, of_touch);
     missed[0] += of_touch[0];
     missed[1] += of_touch[1];
-    if (!touch->active) continue;
-    c->force += touch->force_n;
-    c->penetration = fmax(c->penetration, touch->slack - touch->gap_end);
+    if (touch->active || touch->slack > 0)
+      c->penetration = fmax(c->penetration, touch->slack - touch->gap_end);
+    if (touch->active) c->force += touch->force_n;
   }
   lth_contact_index(c);
   bool again = missed[0] > FORCE_CHANGE * c->force || (n_before == 0 && c->n_active > 0);

@@ -63,7 +63,9 @@ typedef struct LthStepReport {
   double strain_energy, kinetic_energy, work; ///< [J]
   double momentum[3], angular_momentum[3];
   LitheIndex contacts;
-  double penetration;                            ///< [m]
+  double penetration; ///< [m]
+  double contact_energy,
+      contact_spare; ///< in its springs, and what they lost and may press others with [J]
   double time_assemble, time_factor, time_solve; ///< [s] in total
   double processor_factor;                       ///< as time_factor, of the processor
 } LthStepReport;

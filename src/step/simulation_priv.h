@@ -10,6 +10,7 @@
 typedef struct LthStage {
   double H, t1;
   double contact_weight; // contact's forces act over this times H
+  double ahead;          // x^ is that much beyond the start, at the velocity there [s]
   bool iterates;         // rotations follow the solution; else they are those of x_hat
   bool is_second_order;
   double *x_hat, *v_hat; // (n); all of them NULL before the first dynamic step
@@ -224,10 +225,10 @@ void lth_step_tally(LthSimulation *s);
 /// unless it stands.
 LitheStatus lth_step_solve(LitheCtx *ctx, LthSimulation *s, double tolerance);
 
-/// Contact of all bodies in the step t -> t + dt, forces acting over weight dt, or in a look for an equilibrium: how
+/// Contact of all bodies in the step t -> t + dt, forces acting over weight dt, from places `ahead` [s] of those of the step's start, or in a look for an equilibrium: how
 /// many points are active at first.
 LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look, double t,
-                            double dt, double weight, LitheIndex *n_active);
+                            double dt, double weight, double ahead, LitheIndex *n_active);
 
 /// The next look for contact begins the step of the last one once more.
 void lth_step_contact_begin_again(LthSimulation *s);
@@ -252,6 +253,10 @@ void lth_step_contact_diagonal(const LthSimulation *s, double *extra);
 
 /// After a solve: true where the set of points has changed. Then its figures into the report.
 bool lth_step_contact_revise(LthSimulation *s, const double *v1);
+
+/// After that: true where points were left out that pull and would make energy.
+bool lth_step_contact_drop_pulls(LthSimulation *s);
+
 void lth_step_contact_report(LthSimulation *s);
 
 /// |rhs - (A + C) solution| over free unknowns with base, driven, A and contact as they stand, and |rhs|. Held

@@ -5,13 +5,13 @@
 #include <string.h>
 
 LitheStatus lth_step_detect(LitheCtx *ctx, LthSimulation *s, LthContactLook look, double t,
-                            double dt, double weight, LitheIndex *n_active) {
+                            double dt, double weight, double ahead, LitheIndex *n_active) {
   *n_active = 0;
   if (s->has_contact) lth_simulation_displacement(s);
   for (LitheIndex c = 0; c < s->system->n_contacts; c++) {
     LitheIndex n = 0;
     lth_contact_set_look(s->system->contacts[c], look);
-    lth_contact_set_weight(s->system->contacts[c], weight);
+    lth_contact_set_weight(s->system->contacts[c], weight, ahead);
     LITHE_TRY(lth_contact_detect(ctx, s->system->contacts[c], t, dt, s->u, s->v, &n));
     *n_active += n;
   }
@@ -61,15 +61,26 @@ bool lth_step_contact_revise(LthSimulation *s, const double *v1) {
   return changed;
 }
 
+bool lth_step_contact_drop_pulls(LthSimulation *s) {
+  bool changed = false;
+  for (LitheIndex c = 0; s->has_contact && c < s->system->n_contacts; c++)
+    changed |= lth_contact_drop_pulls(s->system->contacts[c]);
+  return changed;
+}
+
 void lth_step_contact_report(LthSimulation *s) {
   if (!s->has_contact) return;
   s->report.contacts = 0;
   s->report.penetration = 0;
+  s->report.contact_energy = s->report.contact_spare = 0;
   for (LitheIndex c = 0; c < s->system->n_contacts; c++) {
     LitheIndex n;
-    double penetration, force;
+    double penetration, force, stored, spare;
     lth_contact_report(s->system->contacts[c], &n, &penetration, &force);
+    lth_contact_energy(s->system->contacts[c], &stored, &spare);
     s->report.contacts += n;
+    s->report.contact_energy += stored;
+    s->report.contact_spare += spare;
     s->report.penetration = fmax(s->report.penetration, penetration);
   }
 }

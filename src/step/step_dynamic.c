@@ -38,6 +38,7 @@ static void prepare_bdf2(LthSimulation *s, double dt) {
   LthStage *g = &s->stage;
   double w = dt / g->h_old, a = w * w / (1 + 2 * w);
   g->H = dt * (1 + w) / (1 + 2 * w);
+  g->ahead = a * g->h_old; // nearly
   g->is_second_order = true;
   for (LitheCount i = 0; i < s->n; i++) {
     g->x_hat[i] = s->x[i] + a * (s->x[i] - g->x_old[i]);
@@ -50,7 +51,7 @@ static void prepare_bdf2(LthSimulation *s, double dt) {
 /// with the forces of the end for the whole step: half of those of the start would throw bodies off.
 static void prepare_newmark(LthSimulation *s, double dt) {
   LthStage *g = &s->stage;
-  g->H = 0.5 * dt;
+  g->H = g->ahead = 0.5 * dt;
   g->contact_weight = 2;
   g->is_second_order = true;
   for (LitheCount i = 0; i < s->n; i++) {
@@ -100,6 +101,7 @@ static LitheStatus prepare(LitheCtx *ctx, LthSimulation *s, LthIntegrator kind, 
   LthStage *g = &s->stage;
   g->t1 = s->t + dt;
   g->contact_weight = 1;
+  g->ahead = 0;
   g->iterates = kind != LTH_IMPLICIT_EULER;
   if (kind == LTH_NEWMARK && !g->has_old) LITHE_TRY(find_start_force(ctx, s, dt));
   if (kind == LTH_NEWMARK)

@@ -67,10 +67,8 @@ static void balance_angular(LthSimulation *s, LitheIndex b, double dt) {
 /// Some contact pushes a body from outside: what the step's impulse is only the solution tells.
 static bool is_pushed(const LthSimulation *s) {
   for (LitheIndex c = 0; s->contact_on && c < s->system->n_contacts; c++) {
-    LitheIndex n;
-    double penetration, force;
-    lth_contact_report(s->system->contacts[c], &n, &penetration, &force);
-    if (n > 0 && !lth_contact_is_within(s->system->contacts[c])) return true;
+    const LthContact *contact = s->system->contacts[c];
+    if (lth_contact_acted(contact) && !lth_contact_is_within(contact)) return true;
   }
   return false;
 }

@@ -13,6 +13,7 @@
 #define INNER 0.03 // residual that a solve is asked for, over the one before it
 #define INNER_MAX 1e-3
 #define CONTACT_SOLVES 2 // of a step in which contact is revised
+#define DROPS 20         // times that points are left out of a step
 #define SUFFICIENT 1e-4  // part of the promised fall of the residual that a step must deliver
 #define HALVINGS 4
 
@@ -103,7 +104,8 @@ static LitheStatus detect(LitheCtx *ctx, LthSimulation *s) {
   const LthStage *g = &s->stage;
   LitheIndex n_active = 0;
   memcpy(s->x, g->x_hat, sizeof *s->x * (size_t)s->n);
-  return lth_step_detect(ctx, s, LTH_LOOK_STEP, g->t1 - g->H, g->H, g->contact_weight, &n_active);
+  return lth_step_detect(ctx, s, LTH_LOOK_STEP, g->t1 - g->H, g->H, g->contact_weight, g->ahead,
+                         &n_active);
 }
 
 /// s->x = x^ + H solution, linearized there, and how far the solution is from solving that.
@@ -144,30 +146,54 @@ static double inner_tolerance(const LthSimulation *s, double residual, double ta
   return fmin(s->options.newton_tolerance * fmax(0.3, INNER * residual / target), INNER_MAX);
 }
 
-/// Rotations and followers iterated until the residual is below newton_tolerance. Contact is revised in the first
-/// solves, as in a linear step, and stands in the others: friction's secants would never settle to so many digits.
-static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s, bool *ended) {
+/// Solves and line searches from solve `it` on until the residual is below its target.
+static LitheStatus approach(LitheCtx *ctx, LthSimulation *s, LitheIndex *it, bool *ended) {
   double residual, target;
-  LitheIndex it = 0, linear = 0;
-  LITHE_TRY(detect(ctx, s));
   LITHE_TRY(evaluate(ctx, s, &residual, &target));
-  for (; it == 0 || residual > target; it++) {
-    if (it == s->options.newton_iterations) {
+  for (bool first = true; first || residual > target; first = false, ++*it) {
+    if (*it >= s->options.newton_iterations) {
       *ended = false;
       break;
     }
     if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     memcpy(s->stage.v_last, s->solution, sizeof *s->solution * (size_t)s->n);
-    s->contact_stands = it >= CONTACT_SOLVES;
+    LitheIndex linear = s->report.linear_iterations;
+    s->contact_stands = *it >= CONTACT_SOLVES;
     LITHE_TRY(solve(ctx, s, inner_tolerance(s, residual, target)));
-    linear += s->report.linear_iterations;
+    s->report.linear_iterations += linear;
     if (!s->system->is_nonlinear) break;
     LITHE_TRY(search_line(ctx, s, &residual, &target));
   }
-  if (it > CONTACT_SOLVES)
-    lth_step_contact_revise(s, s->solution); // what the next step starts from
-  s->report.linear_iterations = linear;
   return LITHE_OK;
+}
+
+/// Rotations and followers iterated until the residual is below newton_tolerance. Contact is revised in the first
+/// solves, as in a linear step, and stands in the others: friction's secants would never settle to so many digits. Points that pull in the end and
+/// make energy by that are left out, and the iteration goes on.
+static LitheStatus iterate(LitheCtx *ctx, LthSimulation *s, bool *ended) {
+  LitheIndex it = 0;
+  LITHE_TRY(detect(ctx, s));
+  s->report.linear_iterations = 0;
+  for (int drops = 0; *ended; drops++) {
+    LITHE_TRY(approach(ctx, s, &it, ended));
+    if (s->contact_stands)
+      lth_step_contact_revise(s, s->solution); // what the next step starts from
+    if (!lth_step_contact_drop_pulls(s)) break;
+    if (drops == DROPS) *ended = false;
+    it = it < CONTACT_SOLVES ? CONTACT_SOLVES : it;
+  }
+  return LITHE_OK;
+}
+
+/// The one system of a step that does not iterate, once more without points that pull and make energy by that.
+static LitheStatus solve_once(LitheCtx *ctx, LthSimulation *s) {
+  LitheIndex linear = 0;
+  for (int drops = 0;; drops++) {
+    LITHE_TRY(solve(ctx, s, s->options.tolerance));
+    linear += s->report.linear_iterations;
+    s->report.linear_iterations = linear;
+    if (drops == DROPS || !lth_step_contact_drop_pulls(s)) return LITHE_OK;
+  }
 }
 
 LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s, bool *ended) {
@@ -183,5 +209,5 @@ LitheStatus lth_stage_solve(LitheCtx *ctx, LthSimulation *s, bool *ended) {
   memcpy(s->x, s->stage.x_hat, sizeof *s->x * (size_t)s->n);
   LITHE_TRY(linearize(ctx, s));
   LITHE_TRY(detect(ctx, s));
-  return solve(ctx, s, s->options.tolerance);
+  return solve_once(ctx, s);
 }

@@ -47,7 +47,7 @@ double lth_step_stiffness_per_mass(const LthSimulation *s) {
 /// Contact at rest, as in a step of length one: its forces then come unscaled.
 static LitheStatus contact_force(LitheCtx *ctx, LthSimulation *s, Search *q, double *f) {
   LitheIndex n_active = 0;
-  LITHE_TRY(lth_step_detect(ctx, s, q->look, q->t, 1, 1, &n_active));
+  LITHE_TRY(lth_step_detect(ctx, s, q->look, q->t, 1, 1, 0, &n_active));
   if (n_active > 0) lth_step_contact_rhs(s, f);
   return LITHE_OK;
 }

@@ -196,6 +196,7 @@ static void a_face_is_pushed_back_by_its_area_in_its_middle(void **state) {
     Parts *p = make_pair(f, edge[i], 0, false);
     double middle[3] = {0.5, 0.55, HEIGHT - depth}, force[3], moment[3], deepest, total;
     move(f, BLOCK, NULL, (double[]){0, 0, -depth});
+    lth_contact_set_look(p->contact, LTH_LOOK_FIRST);
     active[i] = find_forces(f, p);
     sum_up(f, BLOCK, middle, force, moment);
     // a gap is a difference of numbers of size one
@@ -284,16 +285,29 @@ static void walls_beside_a_right_angle_do_not_touch(void **state) {
   }
 }
 
-/// Force on the block over that of `depth`, `way` a step downwards.
-static double push(Fixture *f, Parts *p, double depth, double way) {
+/// How deep the block is found (0: nothing is) and the force on it over that of the same depth, where it is `depth` below, and `way` a step
+/// downwards.
+static double push(Fixture *f, Parts *p, double depth, double way, double *found) {
+  double force;
+  LitheIndex active;
   move(f, BLOCK, NULL, (double[]){0, 0, -depth});
   f->v[3 * f->space->func_off[BLOCK] + 2] = -way;
   find_forces(f, p);
+  lth_contact_report(p->contact, &active, found, &force);
   return lift(f) / (STIFFNESS * AREA * depth);
 }
 
-/// Inside for the first time: by 0.01 cells and one and a half ways of a step. Later by as much more than before; then springs
-/// are pressed by what they were, the way of the step, and 0.001 cells, for more would be energy from nowhere.
+/// The block stands `depth` deep in balance: its springs hold that.
+static void stand(Fixture *f, Parts *p, double depth) {
+  double found;
+  lth_contact_set_look(p->contact, LTH_LOOK_FIRST);
+  CHECK_NEAR(push(f, p, depth, 0, &found), 1, 1e-10);
+  lth_contact_revise(p->contact, f->v);
+  lth_contact_set_look(p->contact, LTH_LOOK_STEP);
+}
+
+/// Inside for the first time: by 0.01 cells and one and a half ways of a step. Later by as much more than before. Springs are pressed
+/// by what they were, for more would be energy from nowhere.
 static void what_is_deeper_than_it_can_have_come_does_not_touch(void **state) {
   Fixture *f = *state;
   const struct {
@@ -302,14 +316,12 @@ static void what_is_deeper_than_it_can_have_come_does_not_touch(void **state) {
   for (int i = 0; i < 4; i++)
     for (int deeper = 0; deeper < 2; deeper++) {
       Parts *p = make_pair(f, COARSE, 0, false);
-      if (cases[i].before > 0) {
-        CHECK_NEAR(push(f, p, cases[i].before, 0), 1, 1e-10);
-        lth_contact_revise(p->contact, f->v);
-      }
+      if (cases[i].before > 0) stand(f, p, cases[i].before);
       const double depth = cases[i].limit * CELL * (deeper ? 1.01 : 0.99);
-      double pressed = cases[i].before + cases[i].way + 0.001 * CELL;
-      if (cases[i].before == 0) pressed = depth; // in the first step of all it may have been there
-      CHECK_NEAR(push(f, p, depth, cases[i].way), deeper ? 0 : pressed / depth, 1e-10);
+      double found;
+      CHECK_NEAR(push(f, p, depth, cases[i].way, &found), deeper ? 0 : cases[i].before / depth,
+                 1e-10);
+      CHECK_NEAR(found, deeper ? 0 : depth, 1e-10 * depth);
     }
 }
 
@@ -317,14 +329,47 @@ static void what_is_deeper_than_it_can_have_come_does_not_touch(void **state) {
 static void what_was_not_seen_coming_does_not_touch_where_it_is_deep(void **state) {
   Fixture *f = *state;
   for (int deeper = 0; deeper < 2; deeper++) {
-    const double depth = 0.01 * CELL * (deeper ? 1.01 : 0.99), want = deeper ? 0 : 1;
+    const double depth = 0.01 * CELL * (deeper ? 1.01 : 0.99), want = deeper ? 0 : depth;
+    double found;
     Parts *p = make_pair(f, COARSE, 0, false);
     f->v[3 * f->space->func_off[BLOCK]] = 0.05;
-    CHECK_NEAR(push(f, p, depth, 0), want, 1e-10);
+    CHECK_NEAR(push(f, p, depth, 0, &found), 0, 1e-10);
+    CHECK_NEAR(found, want, 1e-10 * depth);
     f->v[3 * f->space->func_off[BLOCK]] = 0;
     p = make_pair(f, COARSE, 0, false);
-    CHECK_NEAR(push(f, p, -0.6, 0), 0, 1e-10);
-    CHECK_NEAR(push(f, p, depth, 0.05), want * 0.001 * CELL / depth, 1e-10);
+    CHECK_NEAR(push(f, p, -0.6, 0, &found), 0, 1e-10);
+    CHECK_NEAR(push(f, p, depth, 0.05, &found), 0, 1e-10);
+    CHECK_NEAR(found, want, 1e-10 * depth);
+  }
+}
+
+/// A spring begins a step with the energy that it ended the last one with, also where it finds itself deeper or stiffer. What it has lost
+/// lets others take up slack, and no more than that.
+static void springs_give_no_more_than_they_took(void **state) {
+  Fixture *f = *state;
+  const double before = 0.005, deep = 0.007, after = 0.004, unit = 0.5 * STIFFNESS * AREA;
+  double found, stored, spare;
+  Parts *p = make_pair(f, COARSE, 0, false);
+  stand(f, p, before);
+  lth_contact_energy(p->contact, &stored, &spare);
+  const double held = unit * before * before;
+  CHECK_NEAR(stored, held, 1e-10 * held);
+  CHECK_NEAR(spare, 0, 1e-10 * held);
+  CHECK_NEAR(push(f, p, deep, 0, &found), before / deep, 1e-10);
+  // it moves out: an implicit step loses what a spring of this way would hold
+  f->v[3 * f->space->func_off[BLOCK] + 2] = deep - after;
+  lth_contact_revise(p->contact, f->v);
+  double left = before - (deep - after), lost = unit * (deep - after) * (deep - after);
+  lth_contact_energy(p->contact, &stored, &spare);
+  CHECK_NEAR(stored, unit * left * left, 1e-10 * held);
+  CHECK_NEAR(spare, lost, 1e-10 * held);
+  // 0.001 cells of slack, and then as much as what is left is enough for
+  const double relaxed[] = {left + 0.001 * CELL, sqrt(left * left + lost / unit)};
+  for (int k = 0; k < 2; k++) {
+    CHECK_NEAR(push(f, p, after, 0, &found) * after, relaxed[k], 1e-10 * before);
+    lth_contact_revise(p->contact, f->v);
+    lth_contact_energy(p->contact, &stored, &spare);
+    CHECK_NEAR(stored + spare, unit * left * left + lost, 1e-10 * held);
   }
 }
 
@@ -343,8 +388,12 @@ static void friction_holds_where_it_did_after_a_cut_elsewhere(void **state) {
     double force[2][3], moment[3];
     Parts *old = make_parts(f, 0, 3, (PartDef[]){base(before), block(before), aside}, 0.5, both);
     move(f, BLOCK, NULL, (double[]){0, 0, -depth});
+    lth_contact_set_look(old->contact, LTH_LOOK_FIRST);
     find_forces(f, old);
+    f->v[3 * f->space->func_off[BLOCK]] = way;
     lth_contact_revise(old->contact, f->v);
+    f->v[3 * f->space->func_off[BLOCK]] = 0;
+    lth_contact_set_look(old->contact, LTH_LOOK_STEP);
     Parts *now =
         make_parts(f, 1, 4, (PartDef[]){half[0], half[1], base(after), block(before)}, 0.5, both);
     CHECK_OK(f->ctx, lth_contact_inherit_parts(f->ctx, now->contact, old->contact));
@@ -369,6 +418,7 @@ int main(void) {
                                       teardown),
       cmocka_unit_test_setup_teardown(what_was_not_seen_coming_does_not_touch_where_it_is_deep,
                                       setup, teardown),
+      cmocka_unit_test_setup_teardown(springs_give_no_more_than_they_took, setup, teardown),
       cmocka_unit_test_setup_teardown(friction_holds_where_it_did_after_a_cut_elsewhere, setup,
                                       teardown)};
   return cmocka_run_group_tests(tests, NULL, NULL);
