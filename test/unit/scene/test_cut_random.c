@@ -17,6 +17,7 @@
 
 static uint64_t first_seed; ///< of the body at hand
 static Text text;
+static const char *integrator = "implicit-euler";
 
 static void add_place(Text *t, double reach) {
   ADD(t, "[%.3f, %.3f, %.3f]", between(-reach, reach), between(-reach, reach),
@@ -100,7 +101,7 @@ static void write_scene(Text *t) {
   ADD(t,
       "time: {kind: dynamic, duration: 1, step: %g, integrator: %s}\n"
       "solver: {linear: cholesky, tolerance: %g}\n",
-      STEP, choice("LITHE_TEST_INTEGRATOR", "implicit-euler"), TOLERANCE);
+      STEP, integrator, TOLERANCE);
   // thin fragments of degree 3 that push each other may take more iterations than there are
   ADD(t, "contact: {friction: %.1f%s}\n", 0.3 * pick(2),
       degree == 5 && !getenv("LITHE_TEST_THIRD") ? ", bodies: false" : "");
@@ -149,8 +150,8 @@ static void contact_energy(const LthWorld *world, LthStepReport *r) {
   }
 }
 
-/// A step without anything from outside but gravity: momentum to rounding, and no more energy than before but for what solves leave. Only
-/// rules that are not those of linear bodies may gain some (docs/theory/stepping.md), where they are asked for.
+/// A step without anything from outside but gravity: momentum to rounding, and no more energy than before but for what solves leave. Other
+/// rules than implicit Euler gain a little of bodies that turn (docs/theory/stepping.md), but never by what contact owes.
 static LitheStatus take_step(LitheCtx *ctx, LthWorld *world, Tally *tally) {
   LthStepReport before = *lth_simulation_report(world->sim);
   contact_energy(world, &before);
@@ -174,10 +175,10 @@ static LitheStatus take_step(LitheCtx *ctx, LthWorld *world, Tally *tally) {
       (after->kinetic_energy + after->strain_energy + after->contact_energy + after->contact_spare -
        energy - before.contact_energy - before.contact_spare) /
       all;
-  const bool can_gain = getenv("LITHE_TEST_INTEGRATOR") != NULL;
   tally->rise = fmax(tally->rise, rise);
   tally->gain = fmax(tally->gain, gain);
-  if (!can_gain && !(gain <= TOLERANCE && after->contact_spare >= -OWED * all))
+  const bool can_gain = strcmp(integrator, "implicit-euler") != 0;
+  if (!(can_gain || gain <= TOLERANCE) || !(after->contact_spare >= -OWED * all))
     fail_msg(
         "LITHE_TEST_SEED=%llu: energy rises by %.3g of itself at %g s (account %.3g of it)\n%s",
         (unsigned long long)first_seed, gain, lth_simulation_time(world->sim),
@@ -222,16 +223,28 @@ static void run_body(Tally *tally) {
 /// Bodies that once did not come through.
 static void cuts_that_broke_something_do_so_no_more(void **state) {
   (void)state;
-  static const uint64_t known[] = {
-      8498779325306499365u, // a needle 1e-5 and 5e-7 of its length wide, in the bend of a blade
+  static const struct {
+    uint64_t seed;
+    const char *integrator;
+  } known[] = {
+      // a needle 1e-5 and 5e-7 of its length wide, in the bend of a blade
+      {8498779325306499365u, "implicit-euler"},
+      // pieces that are found deep in each other all of a sudden
+      {2588095274298157736u, "implicit-euler"},
+      // points that pull where their set had not settled after all solves of a step
+      {13986179038320760974u, "implicit-euler"},
+      {2208268913981876127u, "newmark"},
   };
-  uint64_t next = seed;
+  const uint64_t next = seed;
+  const char *const chosen = integrator;
   Tally tally = {0};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-    seed = known[i];
+    seed = known[i].seed;
+    integrator = known[i].integrator;
     run_body(&tally);
   }
   seed = next;
+  integrator = chosen;
 }
 
 static void random_cuts_of_bodies_that_move_keep_what_they_must(void **state) {
@@ -250,6 +263,7 @@ static void random_cuts_of_bodies_that_move_keep_what_they_must(void **state) {
 int main(void) {
   const char *fixed = getenv("LITHE_TEST_SEED");
   seed = fixed ? strtoull(fixed, NULL, 10) : (uint64_t)time(NULL);
+  integrator = choice("LITHE_TEST_INTEGRATOR", integrator);
   printf("LITHE_TEST_SEED=%llu\n", (unsigned long long)seed);
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cuts_that_broke_something_do_so_no_more),
