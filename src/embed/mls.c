@@ -118,6 +118,7 @@ LitheStatus lth_mls_scratch_create(LitheCtx *ctx, const LthMls *mls, LthMlsScrat
   LTH_NEW(ctx, s->theta, mls->samples->n);
   if (!mls->cell_front) return LITHE_OK;
   LTH_NEW(ctx, s->way, mls->samples->n);
+  LTH_NEW(ctx, s->way_limit, mls->samples->n);
   LTH_NEW(ctx, s->way_sample, mls->samples->n);
   for (LitheIndex i = 0; i < mls->samples->n; i++) s->way[i] = -1;
   return LITHE_OK;
@@ -130,6 +131,7 @@ void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
   lth_free(ctx, s->candidate);
   lth_free(ctx, s->theta);
   lth_free(ctx, s->way);
+  lth_free(ctx, s->way_limit);
   lth_free(ctx, s->way_sample);
 }
 
@@ -142,23 +144,27 @@ static void begin_ways(const LthMls *mls, LthMlsScratch *s, const double x[3], L
   if (!mls->cell_front) return;
   while (s->n_ways > 0) s->way[s->way_sample[--s->n_ways]] = -1;
   s->front = mls->cell_front[cell];
+  s->hiders.n = 0;
   lth_v3_copy(x, s->inside);
   move_inside(s->inside, mls->mesh->cell_centroid + 3 * (size_t)cell);
 }
 
-/// Distance of a sample from x, `straight` or around the ends of cuts; what is beyond `reach` may have any beyond it.
+/// Distance of a sample from x, `straight` or around the ends of cuts; what is beyond `reach` may have any beyond it. Ways are
+/// looked for no farther than that, once more where radii grow.
 static double find_way(const LthMls *mls, LthMlsScratch *s, LitheIndex i, double straight,
                        double reach) {
+  const LthVisibility *sight = &mls->sight;
   const double *to = mls->sample_inside + 3 * (size_t)i;
   if (!(straight < reach)) return straight;
-  if (s->way[i] >= 0) return s->way[i];
-  bool is_hidden = lth_visibility_is_hidden(&mls->sight, s->inside, to);
-  if (is_hidden && s->front >= reach) return INFINITY;
-  s->way_sample[s->n_ways++] = i;
-  s->way[i] = straight;
-  if (is_hidden)
-    s->way[i] = fmax(straight, lth_visibility_way(&mls->sight, s->inside, to,
-                                                  MOST_GROWN * mls->samples->radius[i]));
+  if (s->way[i] < 0) {
+    s->way_sample[s->n_ways++] = i;
+    s->way[i] = lth_visibility_is_hidden(sight, &s->hiders, s->inside, to) ? INFINITY : straight;
+    s->way_limit[i] = 0;
+  }
+  if (s->way[i] < INFINITY || s->front >= reach || s->way_limit[i] >= reach) return s->way[i];
+  s->way_limit[i] =
+      lth_visibility_needs_limit(sight) ? MOST_GROWN * mls->samples->radius[i] : reach;
+  s->way[i] = fmax(straight, lth_visibility_way(sight, &s->hiders, s->inside, to, s->way_limit[i]));
   return s->way[i];
 }
 

@@ -2,6 +2,7 @@
 /// shortest.
 #include "embed/visibility.h"
 
+#include "base/disjoint_sets.h"
 #include "base/tensor.h"
 #include "geometry/face_polygon.h"
 #include "geometry/polygon.h"
@@ -18,7 +19,6 @@
   0.02         ///< of a cell's size: faces beside a bend that are no wider are steps, not facets
 #define WAYS 3 ///< most edges that are tried, those of the shortest ways
 #define LONG_WAYS 2  ///< and as the first of two
-#define FEW_EDGES 32 ///< with more of them ways over two are not looked for: too many to try
 #define STACK 128    ///< of nodes that wait: twice the depth of any tree
 #define ON_EDGE 1e-9 ///< of a triangle: what passes its edge as close as that passes it
 
@@ -64,21 +64,74 @@ static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *e
   return LITHE_OK;
 }
 
-/// Fronts first, then bends; no bends where there is no front.
+/// Edges of one pair of points, which begin at `first`.
+static LitheCount end_of_run(const LthCutEdge *edges, LitheCount first, LitheCount n) {
+  LitheCount end = first + 1;
+  while (end < n && edges[end].low == edges[first].low && edges[end].high == edges[first].high)
+    end++;
+  return end;
+}
+
+/// Do two cuts go on from each other here? Each has one pair of faces that look at each other.
+static bool is_continued(const LthMesh *m, const LthCutEdge *edge, LitheCount n) {
+  int n_first = 0;
+  if (n != 4) return false;
+  for (int i = 0; i < 4; i++) {
+    int n_same = 0, n_opposite = 0;
+    if (!lth_is_cut_face(m, edge[i].face)) return false;
+    for (int k = 0; k < 4; k++) {
+      if (m->face_tag[edge[k].face] != m->face_tag[edge[i].face]) continue;
+      n_same++;
+      n_opposite += lth_v3_dot(m->face_normal + 3 * (size_t)edge[i].face,
+                               m->face_normal + 3 * (size_t)edge[k].face) < 0;
+    }
+    if (n_same != 2 || n_opposite != 1) return false;
+    n_first += m->face_tag[edge[i].face] == m->face_tag[edge[0].face];
+  }
+  return n_first == 2;
+}
+
+/// Faces at an edge belong to one sheet where they are of one cut, or of two that go on from each other.
+static void unite_faces(const LthMesh *m, const LthCutEdge *edge, LitheCount n, LitheIndex *sheet) {
+  bool is_all = is_continued(m, edge, n);
+  for (LitheCount i = 0; i < n; i++)
+    for (LitheCount k = i + 1; k < n; k++) {
+      LitheIndex tag = m->face_tag[edge[i].face];
+      if (!lth_is_cut_face(m, edge[i].face) || !lth_is_cut_face(m, edge[k].face)) continue;
+      if (is_all || tag == m->face_tag[edge[k].face])
+        lth_sets_unite(sheet, edge[i].face, edge[k].face);
+    }
+}
+
+/// Fronts first, then bends of sheets that have a front: around one that has none no way leads to its other side.
 static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *edges,
                               LitheCount n, LthVisibility *v) {
+  LitheStatus status = LITHE_OK;
+  LitheIndex *sheet = NULL;
+  bool *has_front = NULL;
+  LTH_NEW_OR(done, ctx, sheet, m->n_faces);
+  LTH_NEW_OR(done, ctx, has_front, m->n_faces);
+  lth_sets_reset(sheet, m->n_faces);
+  for (LitheCount i = 0, end; i < n; i = end) {
+    end = end_of_run(edges, i, n);
+    unite_faces(m, edges + i, end - i, sheet);
+  }
   for (int pass = 0; pass < 2; pass++) {
     for (LitheCount i = 0, end; i < n; i = end) {
       bool is_front = false;
-      for (end = i; end < n && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
-        end++;
-      if (is_way_edge(m, edges + i, end - i, &is_front) && is_front == (pass == 0))
-        LITHE_TRY(add_edge(ctx, m, edges + i, end - i, v));
+      end = end_of_run(edges, i, n);
+      if (!is_way_edge(m, edges + i, end - i, &is_front) || is_front != (pass == 0)) continue;
+      bool *has = has_front + lth_sets_root(sheet, edges[i].face);
+      *has = *has || is_front;
+      if (*has) LITHE_TRY_OR(done, add_edge(ctx, m, edges + i, end - i, v));
     }
     if (pass == 0) v->n_fronts = v->n_edges;
-    if (v->n_fronts == 0) return LITHE_OK;
+    if (v->n_fronts == 0) goto done;
   }
-  return LITHE_OK;
+done:
+  lth_free(ctx, sheet);
+  lth_free(ctx, has_front);
+  return status;
 }
 
 // ------------------------------------------------------------------ faces
@@ -223,11 +276,31 @@ static bool meets_box(const double box[6], const Segment *at) {
   return low <= high + ON_EDGE;
 }
 
-bool lth_visibility_is_hidden(const LthVisibility *v, const double a[3], const double b[3]) {
+/// Put a triangle to the front, at place k of what there was.
+static void note_hider(LthHiders *hiders, int k, LitheIndex tri) {
+  if (k == hiders->n && hiders->n < LTH_HIDERS) hiders->n++;
+  if (k == LTH_HIDERS) k--;
+  for (; k > 0; k--) hiders->tri[k] = hiders->tri[k - 1];
+  hiders->tri[0] = tri;
+}
+
+static bool is_hidden_again(const LthVisibility *v, LthHiders *hiders, const double a[3],
+                            const double b[3]) {
+  for (int k = 0; k < hiders->n; k++) {
+    if (!passes(v->tri + 9 * (size_t)hiders->tri[k], a, b)) continue;
+    note_hider(hiders, k, hiders->tri[k]);
+    return true;
+  }
+  return false;
+}
+
+bool lth_visibility_is_hidden(const LthVisibility *v, LthHiders *hiders, const double a[3],
+                              const double b[3]) {
   const LthBvh *tree = v->bvh;
   LitheIndex waiting[STACK], n = 0;
   Segment segment = {.a = a, .b = b};
   if (!tree || tree->n_nodes == 0) return false;
+  if (hiders && is_hidden_again(v, hiders, a, b)) return true;
   for (int i = 0; i < 3; i++) segment.inverse[i] = b[i] != a[i] ? 1 / (b[i] - a[i]) : 1e300;
   waiting[n++] = 0;
   while (n > 0) {
@@ -239,8 +312,11 @@ bool lth_visibility_is_hidden(const LthVisibility *v, const double a[3], const d
       waiting[n++] = node + 1;
       continue;
     }
-    for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++)
-      if (passes(v->tri + 9 * (size_t)tree->item[i], a, b)) return true;
+    for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
+      if (!passes(v->tri + 9 * (size_t)tree->item[i], a, b)) continue;
+      if (hiders) note_hider(hiders, hiders->n, tree->item[i]);
+      return true;
+    }
   }
   return false;
 }
@@ -263,77 +339,107 @@ static double find_passage(const LthWayEdge *e, const double a[3], const double 
 /// A way over an edge.
 typedef struct Passage {
   double length, at[3];
+  LitheIndex edge;
 } Passage;
+
+/// By length, the same by number: whatever the order in which they are come upon.
+static bool is_before(const Passage *p, const Passage *q) {
+  return p->length != q->length ? p->length < q->length : p->edge < q->edge;
+}
 
 static int insert_passage(Passage list[WAYS], int n, const Passage *p) {
   int k = n < WAYS ? n++ : WAYS - 1;
-  for (; k > 0 && list[k - 1].length > p->length; k--) list[k] = list[k - 1];
+  for (; k > 0 && is_before(p, list + k - 1); k--) list[k] = list[k - 1];
   list[k] = *p;
   return n;
 }
 
 /// A way through a box is no shorter than from both ends to it.
-static bool may_be_shorter(const double box[6], const double a[3], const double b[3],
-                           double limit) {
-  return sqrt(lth_box_distance2(box, a)) + sqrt(lth_box_distance2(box, b)) < limit;
+static double least_length(const double box[6], const double a[3], const double b[3]) {
+  double p = 0, q = 0;
+  for (int i = 0; i < 3; i++) {
+    double da = a[i] < box[i] ? box[i] - a[i] : a[i] > box[3 + i] ? a[i] - box[3 + i] : 0;
+    double db = b[i] < box[i] ? box[i] - b[i] : b[i] > box[3 + i] ? b[i] - box[3 + i] : 0;
+    p += da * da;
+    q += db * db;
+  }
+  return sqrt(p) + sqrt(q);
 }
 
-/// The shortest of the ways over one edge that are shorter than `limit`, whether they are hidden or not, in order.
+/// Enter the ways over the edges of a leaf.
+static int list_leaf(const LthVisibility *v, LitheIndex node, const double a[3], const double b[3],
+                     double limit, Passage list[WAYS], int n) {
+  const LthBvh *tree = v->edge_bvh;
+  for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
+    Passage p = {.edge = tree->item[i]};
+    p.length = find_passage(v->edges + p.edge, a, b, p.at);
+    if (p.length < limit && (n < WAYS || is_before(&p, list + WAYS - 1)))
+      n = insert_passage(list, n, &p);
+  }
+  return n;
+}
+
+/// The shortest of the ways over one edge that are shorter than `limit`, whether they are hidden or not, in order. The nearer
+/// half of the tree first, so that little of the other is looked at.
 static int list_passages(const LthVisibility *v, const double a[3], const double b[3], double limit,
                          Passage list[WAYS]) {
   const LthBvh *tree = v->edge_bvh;
   LitheIndex waiting[STACK], n_waiting = 0;
+  double least[STACK];
   int n = 0;
-  if (tree->n_nodes > 0) waiting[n_waiting++] = 0;
+  if (tree->n_nodes > 0) least[0] = least_length(tree->box, a, b), waiting[n_waiting++] = 0;
   while (n_waiting > 0) {
     const LitheIndex node = waiting[--n_waiting];
-    const double *box = tree->box + 6 * (size_t)node;
-    if (!may_be_shorter(box, a, b, n < WAYS ? limit : list[WAYS - 1].length)) continue;
-    if (tree->right[node] >= 0) {
-      LITHE_ASSERT(n_waiting + 2 <= STACK);
-      waiting[n_waiting++] = tree->right[node];
-      waiting[n_waiting++] = node + 1;
+    const double most = n < WAYS ? limit : list[WAYS - 1].length;
+    if (least[n_waiting] > most) continue;
+    if (tree->right[node] < 0) {
+      n = list_leaf(v, node, a, b, limit, list, n);
       continue;
     }
-    for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
-      Passage p;
-      p.length = find_passage(v->edges + tree->item[i], a, b, p.at);
-      if (p.length < (n < WAYS ? limit : list[WAYS - 1].length)) n = insert_passage(list, n, &p);
+    LitheIndex half[2] = {tree->right[node], node + 1};
+    double at[2];
+    LITHE_ASSERT(n_waiting + 2 <= STACK);
+    for (int k = 0; k < 2; k++) at[k] = least_length(tree->box + 6 * (size_t)half[k], a, b);
+    for (int k = 0; k < 2; k++) {
+      int next = at[0] < at[1] ? 1 - k : k; // the nearer one is taken next
+      if (at[next] > most) continue;
+      least[n_waiting] = at[next];
+      waiting[n_waiting++] = half[next];
     }
   }
   return n;
 }
 
 /// The shortest way over one edge.
-static double find_way(const LthVisibility *v, const double a[3], const double b[3], double limit) {
+static double find_way(const LthVisibility *v, LthHiders *hiders, const double a[3],
+                       const double b[3], double limit) {
   Passage list[WAYS];
   int n = list_passages(v, a, b, limit, list);
   for (int i = 0; i < n; i++)
-    if (!lth_visibility_is_hidden(v, a, list[i].at) && !lth_visibility_is_hidden(v, list[i].at, b))
+    if (!lth_visibility_is_hidden(v, hiders, a, list[i].at) &&
+        !lth_visibility_is_hidden(v, NULL, list[i].at, b))
       return list[i].length;
   return INFINITY;
 }
 
 /// Over a bend and a second edge, where one does not do.
-static double find_long_way(const LthVisibility *v, const double a[3], const double b[3],
-                            double limit) {
+static double find_long_way(const LthVisibility *v, LthHiders *hiders, const double a[3],
+                            const double b[3], double limit) {
   Passage list[WAYS];
   double best = limit;
   int n = list_passages(v, a, b, limit, list);
   for (int i = 0; i < n && i < LONG_WAYS; i++) {
-    if (lth_visibility_is_hidden(v, a, list[i].at)) continue;
+    if (lth_visibility_is_hidden(v, hiders, a, list[i].at)) continue;
     double first = lth_v3_distance(a, list[i].at);
-    double second = find_way(v, list[i].at, b, best - first);
+    double second = find_way(v, NULL, list[i].at, b, best - first);
     if (first + second < best) best = first + second;
   }
   return best < limit ? best : INFINITY;
 }
 
-double lth_visibility_way(const LthVisibility *v, const double a[3], const double b[3],
-                          double limit) {
-  double straight = lth_v3_distance(a, b);
-  if (!(straight < limit)) return INFINITY;
-  if (!lth_visibility_is_hidden(v, a, b)) return straight;
-  double way = find_way(v, a, b, limit);
-  return way < INFINITY || v->n_edges > FEW_EDGES ? way : find_long_way(v, a, b, limit);
+double lth_visibility_way(const LthVisibility *v, LthHiders *hiders, const double a[3],
+                          const double b[3], double limit) {
+  double way = find_way(v, hiders, a, b, limit);
+  return way < INFINITY || v->n_edges > LTH_WAY_FEW_EDGES ? way
+                                                          : find_long_way(v, hiders, a, b, limit);
 }

@@ -233,7 +233,8 @@ static void free_work(LitheCtx *ctx, SkinWork *w) {
                     w->facet,        w->in_parts,    w->edge,           w->loop_off,
                     w->loop_node,    w->is_used,     w->corner,         w->clipped,
                     w->corner_place, w->poly_row,    w->poly_tri,       w->out.uvs,
-                    w->out.poly_off, w->out.poly_uv, w->out.poly_group, w->out.poly_point};
+                    w->out.poly_off, w->out.poly_uv, w->out.poly_group, w->out.poly_point,
+                    w->poly_cell};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   lth_polygon_work_free(ctx, &w->clip);
   lth_polygon_list_free(ctx, &w->list);

@@ -14,16 +14,18 @@ static LitheStatus add_corner(LitheCtx *ctx, SkinWork *w, LitheIndex number, Lit
   return LITHE_OK;
 }
 
-static LitheStatus end_polygon(LitheCtx *ctx, SkinWork *w, LitheIndex group) {
+static LitheStatus end_polygon(LitheCtx *ctx, SkinWork *w, LitheIndex group, LitheIndex cell) {
   LthSoup *out = &w->out;
+  LTH_RESERVE(ctx, w->poly_cell, w->poly_cell_cap, (LitheCount)out->n_polys + 1);
   LTH_RESERVE(ctx, out->poly_off, w->off_cap, (LitheCount)out->n_polys + 2);
   LTH_RESERVE(ctx, out->poly_group, w->group_cap, (LitheCount)out->n_polys + 1);
   out->poly_group[out->n_polys] = group;
+  w->poly_cell[out->n_polys] = cell;
   out->poly_off[++out->n_polys] = (LitheIndex)w->n_corners_out;
   return LITHE_OK;
 }
 
-static LitheStatus add_uv(LitheCtx *ctx, SkinWork *w, double u, double v, LitheIndex *uv) {
+LitheStatus lth_skin_add_uv(LitheCtx *ctx, SkinWork *w, double u, double v, LitheIndex *uv) {
   LthSoup *out = &w->out;
   LTH_RESERVE(ctx, out->uvs, w->uv_cap, 2 * ((LitheCount)out->n_uvs + 1));
   out->uvs[2 * (LitheCount)out->n_uvs] = u;
@@ -38,6 +40,7 @@ static LitheStatus add_uv(LitheCtx *ctx, SkinWork *w, double u, double v, LitheI
 typedef struct Source {
   LitheIndex poly; ///< polygon of the soup, -1: a cut
   LitheIndex group;
+  LitheIndex cell;      ///< element at the polygon in hand
   const double *normal; ///< out of the body
   double t1[3], t2[3];  ///< of cuts: the plane's directions of texture
 } Source;
@@ -111,7 +114,7 @@ static LitheStatus interpolate_uv(LitheCtx *ctx, SkinWork *w, LitheIndex poly, c
     if (best[i] < 0) return LITHE_OK;
     for (int a = 0; a < 2; a++) value[a] += weight[i] * s->uvs[2 * (LitheCount)best[i] + a];
   }
-  return add_uv(ctx, w, value[0], value[1], uv);
+  return lth_skin_add_uv(ctx, w, value[0], value[1], uv);
 }
 
 // ------------------------------------------------------------------ polygons
@@ -122,7 +125,7 @@ static LitheStatus write_corner(LitheCtx *ctx, SkinWork *w, const Source *source
   LitheIndex number = -1, uv = -1;
   const double *x = lth_skin_place(w, node);
   if (source->poly < 0) {
-    LITHE_TRY(add_uv(ctx, w, lth_v3_dot(x, source->t1), lth_v3_dot(x, source->t2), &uv));
+    LITHE_TRY(lth_skin_add_uv(ctx, w, lth_v3_dot(x, source->t1), lth_v3_dot(x, source->t2), &uv));
     LITHE_TRY(lth_skin_number(ctx, w, node, &number));
     return add_corner(ctx, w, number, uv);
   }
@@ -158,7 +161,7 @@ static LitheStatus write_loop(LitheCtx *ctx, SkinWork *w, const Source *source, 
   if (n < 3) return LITHE_OK; // both edges of such a loop are the same
   if (n == 3 || is_convex(w, source->normal, n)) {
     for (LitheIndex i = 0; i < n; i++) LITHE_TRY(write_corner(ctx, w, source, w->corner[i]));
-    return end_polygon(ctx, w, source->group);
+    return end_polygon(ctx, w, source->group, source->cell);
   }
   LTH_RESERVE(ctx, w->clipped, w->clipped_cap, 4 * (LitheCount)n);
   LTH_RESERVE(ctx, w->corner_place, w->place_cap, 3 * (LitheCount)n);
@@ -171,7 +174,7 @@ static LitheStatus write_loop(LitheCtx *ctx, SkinWork *w, const Source *source, 
   for (LitheIndex i = 0; i < 3 * (n - 2); i++) w->clipped[i] = w->corner[w->clipped[i]];
   for (LitheIndex t = 0; t < n - 2; t++) {
     for (int i = 0; i < 3; i++) LITHE_TRY(write_corner(ctx, w, source, w->clipped[3 * t + i]));
-    LITHE_TRY(end_polygon(ctx, w, source->group));
+    LITHE_TRY(end_polygon(ctx, w, source->group, source->cell));
   }
   return LITHE_OK;
 }
@@ -181,6 +184,7 @@ static LitheStatus write_face(LitheCtx *ctx, SkinWork *w, LitheIndex face, Sourc
   const LthTopologyFace *f = w->t->faces + face;
   LthFaceView view = lth_topology_face(w->t, face);
   source->normal = f->plane;
+  source->cell = f->cell[0];
   if (source->poly < 0) set_frame(source);
   w->list.n = w->list.n_polygons = 0;
   LITHE_TRY(lth_face_polygons(ctx, &view, &w->list));
@@ -203,6 +207,7 @@ static LitheStatus write_facet(LitheCtx *ctx, SkinWork *w, LitheIndex facet, Sou
     LITHE_TRY(write_face(ctx, w, w->piece[i], source));
   if (w->in_parts[facet]) return LITHE_OK;
   source->normal = w->t->faces[w->piece[first]].plane;
+  source->cell = w->t->faces[w->piece[first]].cell[0];
   LITHE_TRY(lth_skin_outline(ctx, w, facet, &is_simple));
   for (LitheIndex l = 0; l < w->n_loops; l++) {
     LitheIndex n = 0;
@@ -236,7 +241,7 @@ static LitheStatus copy_polygon(LitheCtx *ctx, SkinWork *w, LitheIndex poly, Lit
   const LthSoup *s = w->skin->first;
   for (LitheIndex k = s->poly_off[poly]; k < s->poly_off[poly + 1]; k++)
     LITHE_TRY(add_corner(ctx, w, s->poly_point[k], s->poly_uv ? s->poly_uv[k] : -1));
-  return end_polygon(ctx, w, group);
+  return end_polygon(ctx, w, group, -1);
 }
 
 static LitheStatus begin_out(LitheCtx *ctx, SkinWork *w) {
@@ -271,5 +276,5 @@ LitheStatus lth_skin_write(LitheCtx *ctx, SkinWork *w) {
       LITHE_TRY(write_face(ctx, w, f, &source));
   }
   w->skin->n_caps = w->out.n_polys - n_outer;
-  return LITHE_OK;
+  return lth_skin_part_edges(ctx, w);
 }

@@ -48,6 +48,8 @@ typedef struct SkinWork {
 
   // polygons as they come
   LthSoup out;
+  LitheIndex *poly_cell; ///< an element at each, -1: not looked for
+  LitheCount poly_cell_cap;
   LitheCount n_corners_out, off_cap, out_point_cap, out_uv_cap, uv_cap, group_cap;
 } SkinWork;
 
@@ -80,6 +82,10 @@ LitheIndex lth_skin_node(const SkinWork *w, LitheIndex point, LitheIndex cell);
 /// The skin's point of a node, a new one where there is none.
 LitheStatus lth_skin_number(LitheCtx *ctx, SkinWork *w, LitheIndex node, LitheIndex *number);
 
+/// Append a point to the skin: `point` of the topology, -1: none.
+LitheStatus lth_skin_add_point(LitheCtx *ctx, LthSkin *skin, const double x[3], LitheIndex point,
+                               LitheIndex cell, LitheIndex *number);
+
 // skin_facets.c
 
 /// List pieces by facet and decide which of them can be joined; marks points that the surface has.
@@ -92,3 +98,11 @@ LitheStatus lth_skin_outline(LitheCtx *ctx, SkinWork *w, LitheIndex facet, bool 
 
 /// Write the polygons of the surface: those that nothing touched, parts of others, caps.
 LitheStatus lth_skin_write(LitheCtx *ctx, SkinWork *w);
+
+/// Append texture coordinates.
+LitheStatus lth_skin_add_uv(LitheCtx *ctx, SkinWork *w, double u, double v, LitheIndex *uv);
+
+// skin_edges.c
+
+/// Give polygons in twos edges of their own where more than two have one.
+LitheStatus lth_skin_part_edges(LitheCtx *ctx, SkinWork *w);

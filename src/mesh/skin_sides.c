@@ -179,10 +179,8 @@ LitheStatus lth_skin_find_sides(LitheCtx *ctx, SkinWork *w) {
   return find_numbers(ctx, w);
 }
 
-LitheStatus lth_skin_number(LitheCtx *ctx, SkinWork *w, LitheIndex node, LitheIndex *number) {
-  LthSkin *skin = w->skin;
-  *number = w->number[node];
-  if (*number >= 0) return LITHE_OK;
+LitheStatus lth_skin_add_point(LitheCtx *ctx, LthSkin *skin, const double x[3], LitheIndex point,
+                               LitheIndex cell, LitheIndex *number) {
   LitheCount n = skin->soup->n_points;
   if (n >= INT32_MAX / 3)
     LITHE_FAIL(ctx, LITHE_UNSUPPORTED, "cutting a surface: more than 2^31 coordinates");
@@ -190,10 +188,20 @@ LitheStatus lth_skin_number(LitheCtx *ctx, SkinWork *w, LitheIndex node, LitheIn
   LTH_RESERVE(ctx, skin->cell, skin->cell_cap, n + 1);
   LTH_RESERVE(ctx, skin->point, skin->point_cap, n + 1);
   LTH_RESERVE(ctx, skin->place, skin->place_cap, 3 * (n + 1));
-  lth_v3_copy(lth_skin_place(w, node), skin->soup->points + 3 * n);
-  lth_v3_copy(lth_skin_place(w, node), skin->place + 3 * n);
-  skin->cell[n] = node < w->t->n_points ? w->lowest[node] - 1 : w->cell[node - w->t->n_points];
-  skin->point[n] = lth_skin_point(w, node);
-  w->number[node] = *number = skin->soup->n_points++;
+  lth_v3_copy(x, skin->soup->points + 3 * n);
+  lth_v3_copy(x, skin->place + 3 * n);
+  skin->cell[n] = cell;
+  skin->point[n] = point;
+  *number = skin->soup->n_points++;
+  return LITHE_OK;
+}
+
+LitheStatus lth_skin_number(LitheCtx *ctx, SkinWork *w, LitheIndex node, LitheIndex *number) {
+  *number = w->number[node];
+  if (*number >= 0) return LITHE_OK;
+  LitheIndex cell = node < w->t->n_points ? w->lowest[node] - 1 : w->cell[node - w->t->n_points];
+  LITHE_TRY(lth_skin_add_point(ctx, w->skin, lth_skin_place(w, node), lth_skin_point(w, node), cell,
+                               number));
+  w->number[node] = *number;
   return LITHE_OK;
 }

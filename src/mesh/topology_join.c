@@ -146,6 +146,7 @@ done:
 /// A corner and its neighbours in a loop, in the order of their numbers.
 typedef struct Corner {
   LitheIndex point, low, high;
+  bool is_stale; ///< of the first of a point's corners: they have other neighbours by now
 } Corner;
 
 static int compare_corners(const void *a, const void *b) {
@@ -223,51 +224,76 @@ static LitheStatus drop_from_face(LitheCtx *ctx, LthTopology *t, LitheIndex face
   return lth_topology_set_loops(ctx, t, face, view.n_loops, w->raw_off, w->raw_corner);
 }
 
+/// Corners of a cell's faces at marked points.
 static LitheStatus list_corners(LitheCtx *ctx, const LthTopology *t, LitheIndex cell,
-                                Corner **corners, LitheIndex *n) {
-  LitheCount size = 0;
+                                Corner **corners, LitheCount *cap, LitheIndex *n) {
+  const LitheIndex *is_marked = t->work->mesh_point;
   *n = 0;
-  for (LitheIndex i = 0; i < t->cells[cell].n_faces; i++)
-    size += t->faces[lth_topology_cell_faces(t, cell)[i]].n_corners;
-  LTH_NEW(ctx, *corners, size);
   for (LitheIndex i = 0; i < t->cells[cell].n_faces; i++) {
     LthFaceView view = lth_topology_face(t, lth_topology_cell_faces(t, cell)[i]);
     for (LitheIndex l = 0; l < view.n_loops; l++)
       for (LitheIndex j = view.loop_off[l], first = j, last = view.loop_off[l + 1]; j < last; j++) {
+        if (!is_marked[view.loop_point[j]]) continue;
         LitheIndex a = view.loop_point[j > first ? j - 1 : last - 1],
                    b = view.loop_point[j + 1 < last ? j + 1 : first];
-        (*corners)[(*n)++] = (Corner){view.loop_point[j], a < b ? a : b, a < b ? b : a};
+        LTH_RESERVE(ctx, *corners, *cap, (LitheCount)*n + 1);
+        (*corners)[(*n)++] = (Corner){view.loop_point[j], a < b ? a : b, a < b ? b : a, false};
       }
   }
-  qsort(*corners, (size_t)*n, sizeof **corners, compare_corners);
+  if (*n > 0) qsort(*corners, (size_t)*n, sizeof **corners, compare_corners);
   return LITHE_OK;
 }
 
-LitheStatus lth_topology_drop_corners(LitheCtx *ctx, LthTopology *t, LitheIndex cell) {
+/// Note that a point has other neighbours than its corners in the list say.
+static void mark_stale(Corner *corners, LitheIndex n, LitheIndex point) {
+  LitheIndex low = 0, high = n;
+  while (low < high) {
+    LitheIndex middle = low + (high - low) / 2;
+    if (corners[middle].point < point)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (low < n && corners[low].point == point) corners[low].is_stale = true;
+}
+
+/// Take out what can be taken out of a list of all corners, but for neighbours of what was: `*again` is true where there are any.
+static LitheStatus drop_listed(LitheCtx *ctx, LthTopology *t, LitheIndex cell, Corner *corners,
+                               LitheIndex n, bool *again) {
+  for (LitheIndex i = 0, j; i < n; i = j) {
+    const Corner *c = corners + i;
+    bool is_same = !c->is_stale;
+    for (j = i; j < n && corners[j].point == c->point; j++)
+      is_same &= corners[j].low == c->low && corners[j].high == c->high;
+    if (!is_same || c->low == c->high || c->point < t->n_surface_points || !is_straight(t, c))
+      continue;
+    LitheIndex uses = 0, n_faces = 0;
+    LITHE_TRY(count_uses(ctx, t, cell, c, &uses, &n_faces));
+    if (uses != t->point_use[c->point]) continue;
+    for (LitheIndex k = 0; k < n_faces; k++)
+      LITHE_TRY(drop_from_face(ctx, t, t->work->list[k], c->point));
+    mark_stale(corners, n, c->low);
+    mark_stale(corners, n, c->high);
+    *again = true;
+  }
+  return LITHE_OK;
+}
+
+LitheStatus lth_topology_drop_corners(LitheCtx *ctx, LthTopology *t, LitheIndex cell,
+                                      LitheIndex n_points, const LitheIndex *points) {
   LitheStatus status = LITHE_OK;
   Corner *corners = NULL;
+  LitheCount cap = 0;
   LitheIndex n = 0;
+  LTH_RESERVE(ctx, t->work->mesh_point, t->work->mesh_point_cap, t->n_points);
+  for (LitheIndex i = 0; i < n_points; i++) t->work->mesh_point[points[i]] = 1;
   for (bool again = true; again;) {
     again = false;
-    LITHE_TRY_OR(done, list_corners(ctx, t, cell, &corners, &n));
-    for (LitheIndex i = 0, j; i < n && !again; i = j) {
-      bool is_same = true;
-      const Corner *c = corners + i;
-      for (j = i; j < n && corners[j].point == c->point; j++)
-        is_same &= corners[j].low == c->low && corners[j].high == c->high;
-      if (!is_same || c->low == c->high || c->point < t->n_surface_points || !is_straight(t, c))
-        continue;
-      LitheIndex uses = 0, n_faces = 0;
-      LITHE_TRY_OR(done, count_uses(ctx, t, cell, c, &uses, &n_faces));
-      if (uses != t->point_use[c->point]) continue;
-      for (LitheIndex k = 0; k < n_faces; k++)
-        LITHE_TRY_OR(done, drop_from_face(ctx, t, t->work->list[k], c->point));
-      again = true; // neighbours of other corners are others now
-    }
-    lth_free(ctx, corners);
-    corners = NULL;
+    LITHE_TRY_OR(done, list_corners(ctx, t, cell, &corners, &cap, &n));
+    LITHE_TRY_OR(done, drop_listed(ctx, t, cell, corners, n, &again));
   }
 done:
+  for (LitheIndex i = 0; i < n_points; i++) t->work->mesh_point[points[i]] = 0;
   lth_free(ctx, corners);
   return status;
 }

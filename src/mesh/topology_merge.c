@@ -1,6 +1,8 @@
 /// Merging two cells, and slivers into their neighbours.
 #include "mesh/topology_priv.h"
 
+#include "base/order.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -54,28 +56,56 @@ static LitheStatus move_faces(LitheCtx *ctx, LthTopology *t, LitheIndex from, Li
   return LITHE_OK;
 }
 
+/// Points of the common faces: no others lose an edge when these vanish.
+static LitheStatus list_common(LitheCtx *ctx, const LthTopology *t, LitheIndex a, LitheIndex b,
+                               LitheIndex **points, LitheIndex *n) {
+  LitheCount cap = 0;
+  *n = 0;
+  for (LitheIndex i = 0; i < t->cells[a].n_faces; i++) {
+    LitheIndex face = lth_topology_cell_faces(t, a)[i];
+    if (lth_topology_across(t, face, a) != b) continue;
+    LthFaceView view = lth_topology_face(t, face);
+    LTH_RESERVE(ctx, *points, cap, (LitheCount)*n + view.loop_off[view.n_loops]);
+    for (LitheIndex k = view.loop_off[0]; k < view.loop_off[view.n_loops]; k++)
+      (*points)[(*n)++] = view.loop_point[k];
+  }
+  *n = lth_sort_unique(*points, *n);
+  return LITHE_OK;
+}
+
+/// What is left to do when the two have all faces of one.
+static LitheStatus tidy(LitheCtx *ctx, LthTopology *t, LitheIndex merged, LitheIndex n_points,
+                        const LitheIndex *points) {
+  LITHE_TRY(lth_topology_join_faces(ctx, t, merged));
+  LITHE_TRY(lth_topology_drop_corners(ctx, t, merged, n_points, points));
+  lth_topology_measure_cell(t, merged);
+#ifdef LITHE_ASSERTS
+  LITHE_TRY(lth_topology_check(ctx, t, 1, &merged));
+#endif
+  return LITHE_OK;
+}
+
 LitheStatus lth_topology_merge(LitheCtx *ctx, LthTopology *t, LitheIndex a, LitheIndex b,
                                LitheIndex *merged) {
   LITHE_ASSERT(lth_topology_may_merge(t, a, b));
   const LthTopologyCell *ca = t->cells + a, *cb = t->cells + b;
   LitheIndex source = ca->volume >= cb->volume ? ca->source : cb->source,
-             room = ca->n_faces + cb->n_faces;
-  LITHE_TRY(lth_topology_add_cell(ctx, t, source, room, merged));
+             room = ca->n_faces + cb->n_faces, *points = NULL, n_points = 0;
+  LitheStatus status = list_common(ctx, t, a, b, &points, &n_points);
+  if (status == LITHE_OK) status = lth_topology_add_cell(ctx, t, source, room, merged);
+  LITHE_TRY_OR(done, status);
   t->cells[*merged].area = t->cells[a].area + t->cells[b].area;
-  LITHE_TRY(lth_topology_note_birth(ctx, t, *merged, a));
-  LITHE_TRY(lth_topology_note_birth(ctx, t, *merged, b));
+  LITHE_TRY_OR(done, lth_topology_note_birth(ctx, t, *merged, a));
+  LITHE_TRY_OR(done, lth_topology_note_birth(ctx, t, *merged, b));
   t->cells[a].into = t->cells[b].into = *merged;
-  LITHE_TRY(lth_topology_end_cell(ctx, t, a));
-  LITHE_TRY(lth_topology_end_cell(ctx, t, b));
-  LITHE_TRY(move_faces(ctx, t, a, b, *merged));
-  LITHE_TRY(move_faces(ctx, t, b, a, *merged));
-  LITHE_TRY(lth_topology_join_faces(ctx, t, *merged));
-  LITHE_TRY(lth_topology_drop_corners(ctx, t, *merged));
-  lth_topology_measure_cell(t, *merged);
-#ifdef LITHE_ASSERTS
-  LITHE_TRY(lth_topology_check(ctx, t, 1, merged));
-#endif
-  return LITHE_OK;
+  LITHE_TRY_OR(done, lth_topology_end_cell(ctx, t, a));
+  LITHE_TRY_OR(done, lth_topology_end_cell(ctx, t, b));
+  LITHE_TRY_OR(done, move_faces(ctx, t, a, b, *merged));
+  LITHE_TRY_OR(done, move_faces(ctx, t, b, a, *merged));
+  status = tidy(ctx, t, *merged, n_points, points);
+done:
+  lth_free(ctx, points);
+  return status;
 }
 
 /// The neighbour with the largest common face that a cell may merge with, -1: none.

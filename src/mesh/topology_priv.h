@@ -256,5 +256,6 @@ LitheStatus lth_topology_split_in_hand(LitheCtx *ctx, LthTopology *t, LitheIndex
 /// Unite faces of a cell to the same neighbour that lie side by side in one plane.
 LitheStatus lth_topology_join_faces(LitheCtx *ctx, LthTopology *t, LitheIndex cell);
 
-/// Take out corners of a cell's faces that lie inside a straight edge of all faces at them.
-LitheStatus lth_topology_drop_corners(LitheCtx *ctx, LthTopology *t, LitheIndex cell);
+/// Take out those of some points that are corners of a cell and lie inside a straight edge of all faces at them.
+LitheStatus lth_topology_drop_corners(LitheCtx *ctx, LthTopology *t, LitheIndex cell,
+                                      LitheIndex n_points, const LitheIndex *points);

@@ -2,14 +2,23 @@
 /// inside or outside, parts on one side of one element are merged again, and the two sides are parted.
 #include "scene/cut_priv.h"
 
+#include "base/order.h"
 #include "base/tensor.h"
 #include "geometry/bvh.h"
 
 #include <math.h>
 
-#define FLAT 1e-9 ///< of a cell: facets whose corners are that close to a plane lie in it
+#define FLAT 1e-9   ///< of a cell: facets whose corners are that close to a plane lie in it
+#define MANY 96     ///< facets near a cell: it is halved first, so that each passes few parts
+#define HALF 0.4871 ///< of a cell's box: where it is halved, off what is symmetric
 
 enum { OUTSIDE = 1, INSIDE = 2 };
+
+/// A part of a cell, so often halved.
+typedef struct Block {
+  LitheIndex cell;
+  int depth;
+} Block;
 
 /// A carve in progress.
 typedef struct Carving {
@@ -20,9 +29,12 @@ typedef struct Carving {
   int8_t *side; ///< of live cells                                       (n_cells)
   LitheCount side_cap;
   LitheIndex *facets; ///< near the cell in hand
-  LthPlane *planes;   ///< of them, those that differ
-  LitheIndex n_facets, n_planes, *parts, n_parts, *gone;
-  LitheCount facets_cap, planes_cap, parts_cap;
+  LthPlane *planes;   ///< of facets near the root in hand, those that differ
+  LitheIndex *plane_of,
+      *plane_root; ///< of each facet: its plane, and root + 1 that this was found for
+  Block *blocks;   ///< of the root in hand, that wait
+  LitheIndex n_facets, n_planes, *parts, n_parts, *gone, n_blocks;
+  LitheCount facets_cap, planes_cap, parts_cap, blocks_cap;
   LitheStatus status;
   LitheCtx *ctx;
 } Carving;
@@ -35,9 +47,7 @@ static const double *corner(const Carving *v, LitheIndex tri, int k) {
 
 static LitheStatus list_facet(Carving *v, LitheIndex tri) {
   LTH_RESERVE(v->ctx, v->facets, v->facets_cap, (LitheCount)v->n_facets + 1);
-  LitheIndex at = v->n_facets++; // in the order of their numbers
-  for (; at > 0 && v->facets[at - 1] > tri; at--) v->facets[at] = v->facets[at - 1];
-  v->facets[at] = tri;
+  v->facets[v->n_facets++] = tri;
   return LITHE_OK;
 }
 
@@ -47,7 +57,7 @@ static bool visit_facet(void *self, LitheIndex tri) {
   return v->status == LITHE_OK;
 }
 
-/// Facets near a cell as it is now.
+/// Facets near a cell as it is now, in the order of their numbers.
 static LitheStatus find_facets(Carving *v, LitheIndex cell) {
   const LthTopology *t = v->c->t;
   double center[3], reach = 0;
@@ -63,6 +73,7 @@ static LitheStatus find_facets(Carving *v, LitheIndex cell) {
   v->n_facets = 0;
   v->status = LITHE_OK;
   lth_bvh_visit(v->bvh, center, reach, visit_facet, v);
+  v->n_facets = lth_sort_unique(v->facets, v->n_facets);
   return v->status;
 }
 
@@ -100,49 +111,95 @@ static bool lies_in(const Carving *v, LitheIndex tri, const LthPlane *plane) {
   return true;
 }
 
-/// The plane of a facet, or one of those before that it lies in: facets of one flat side have one plane to the bit, so that
-/// faces in it become one again. False where the facet has no area.
-static LitheStatus find_plane(Carving *v, LitheIndex tri, LthPlane *plane, bool *has_area) {
+/// Number of the plane of a facet, or of one of those before that it lies in: facets of one flat side have one plane to the bit,
+/// so that faces in it become one again. -1 where the facet has no area.
+static LitheStatus find_plane(Carving *v, LitheIndex tri, LitheIndex *number) {
   const double *a = corner(v, tri, 0), *b = corner(v, tri, 1), *c = corner(v, tri, 2);
+  LthPlane plane;
   double u[3], w[3];
   lth_v3_sub(b, a, u);
   lth_v3_sub(c, a, w);
-  lth_v3_cross(u, w, plane->normal);
-  lth_v3_copy(a, plane->point);
-  *has_area = lth_v3_normalize(plane->normal) > 0;
-  if (!*has_area) return LITHE_OK;
-  for (LitheIndex i = 0; i < v->n_planes; i++)
-    if (lies_in(v, tri, v->planes + i)) {
-      *plane = v->planes[i];
-      return LITHE_OK;
-    }
+  lth_v3_cross(u, w, plane.normal);
+  lth_v3_copy(a, plane.point);
+  *number = -1;
+  if (!(lth_v3_normalize(plane.normal) > 0)) return LITHE_OK;
+  for (*number = 0; *number < v->n_planes; ++*number)
+    if (lies_in(v, tri, v->planes + *number)) return LITHE_OK;
   LTH_RESERVE(v->ctx, v->planes, v->planes_cap, (LitheCount)v->n_planes + 1);
-  v->planes[v->n_planes++] = *plane;
+  v->planes[v->n_planes++] = plane;
   return LITHE_OK;
 }
 
-static LitheStatus divide_by_facet(Carving *v, LitheIndex tri) {
+static LitheStatus divide_by_facet(Carving *v, LitheIndex root, LitheIndex tri) {
   const double *a = corner(v, tri, 0), *b = corner(v, tri, 1), *c = corner(v, tri, 2);
-  LthPlane plane;
-  bool has_area;
-  LITHE_TRY(find_plane(v, tri, &plane, &has_area));
-  if (!has_area) return LITHE_OK;
+  if (v->plane_root[tri] != root + 1) LITHE_TRY(find_plane(v, tri, v->plane_of + tri));
+  v->plane_root[tri] = root + 1;
+  if (v->plane_of[tri] < 0) return LITHE_OK;
+  const LthPlane plane = v->planes[v->plane_of[tri]];
   LthWindow window = lth_window_make(3, (const double *const[]){a, b, c});
   LitheIndex n = v->n_parts;
   for (LitheIndex i = 0; i < n; i++) LITHE_TRY(divide_part(v, i, &plane, &window));
   return LITHE_OK;
 }
 
+static LitheStatus add_block(Carving *v, LitheIndex cell, int depth) {
+  LTH_RESERVE(v->ctx, v->blocks, v->blocks_cap, (LitheCount)v->n_blocks + 1);
+  v->blocks[v->n_blocks++] = (Block){cell, depth};
+  return LITHE_OK;
+}
+
+/// Halve a block across its longest side; false where that does not come out.
+static LitheStatus halve(Carving *v, const Block *block, bool *yes) {
+  LthTopology *t = v->c->t;
+  const double *box = t->cells[block->cell].box;
+  LthSplit split = {0};
+  LthPlane plane = {.normal = {0, 0, 0}};
+  int longest = 0;
+  for (int a = 0; a < 3; a++) {
+    plane.point[a] = box[a] + HALF * (box[3 + a] - box[a]);
+    if (box[3 + a] - box[a] > box[3 + longest] - box[longest]) longest = a;
+  }
+  plane.normal[longest] = 1;
+  LITHE_TRY(lth_topology_split(v->ctx, t, block->cell, &plane, -1, &split));
+  *yes = split.n > 0;
+  for (LitheIndex k = 0; k < split.n; k++)
+    LITHE_TRY(add_block(v, t->log.births[split.first + k].cell, block->depth + 1));
+  return LITHE_OK;
+}
+
+/// Halvings until a surface that passes a cell evenly leaves few facets in each block: its blocks come by fours for eight.
+static int most_halvings(LitheIndex n_facets) {
+  int n = 0;
+  for (double few = MANY; few < n_facets; few *= 4) n += 3;
+  return n + 3;
+}
+
+/// Divide a cell by all facets that pass it, blocks by those near them.
+static LitheStatus divide_cell(Carving *v, LitheIndex root) {
+  int most = 0;
+  v->n_planes = v->n_blocks = 0;
+  LITHE_TRY(add_block(v, root, 0));
+  while (v->n_blocks > 0) {
+    const Block block = v->blocks[--v->n_blocks];
+    bool is_halved = false;
+    LITHE_TRY(find_facets(v, block.cell));
+    if (block.depth == 0) most = most_halvings(v->n_facets);
+    if (v->n_facets > MANY && block.depth < most) LITHE_TRY(halve(v, &block, &is_halved));
+    if (is_halved) continue;
+    v->n_parts = 0;
+    LITHE_TRY(add_part(v, block.cell));
+    for (LitheIndex i = 0; i < v->n_facets; i++) LITHE_TRY(divide_by_facet(v, root, v->facets[i]));
+  }
+  return LITHE_OK;
+}
+
 static LitheStatus divide_cells(Carving *v) {
   const LthTopology *t = v->c->t;
   LitheIndex n = t->n_cells;
-  for (LitheIndex cell = 0; cell < n; cell++) {
-    if (!t->cells[cell].is_live || v->roots.root[cell] != cell) continue;
-    LITHE_TRY(find_facets(v, cell));
-    v->n_parts = v->n_planes = 0;
-    LITHE_TRY(add_part(v, cell));
-    for (LitheIndex i = 0; i < v->n_facets; i++) LITHE_TRY(divide_by_facet(v, v->facets[i]));
-  }
+  LTH_NEW(v->ctx, v->plane_of, v->surface->n_tris);
+  LTH_NEW(v->ctx, v->plane_root, v->surface->n_tris);
+  for (LitheIndex cell = 0; cell < n; cell++)
+    if (t->cells[cell].is_live && v->roots.root[cell] == cell) LITHE_TRY(divide_cell(v, cell));
   return lth_cut_roots_follow(v->ctx, t, &v->roots);
 }
 
@@ -259,7 +316,8 @@ LitheStatus lth_cut_by_carving(LitheCtx *ctx, LthCutting *c) {
   LitheStatus status = carve(&v);
   lth_bvh_destroy(ctx, &v.bvh);
   lth_surface_destroy(ctx, &v.surface);
-  void *blocks[] = {v.roots.root, v.side, v.facets, v.planes, v.parts, v.gone};
+  void *blocks[] = {v.roots.root, v.side,     v.facets,     v.planes, v.parts,
+                    v.gone,       v.plane_of, v.plane_root, v.blocks};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   return status;
 }

@@ -41,6 +41,27 @@ static inline bool soup_is_closed(const LthSoup *s, LitheIndex open[2]) {
   return is_closed;
 }
 
+/// Has every edge two polygons? If not, `other` is the first that has not.
+static inline bool soup_is_manifold(const LthSoup *s, LitheIndex other[2]) {
+  LitheIndex n = s->poly_off[s->n_polys], k = 0;
+  bool is_manifold = true;
+  SoupEdge *edge = calloc((size_t)n, sizeof *edge);
+  for (LitheIndex p = 0; p < s->n_polys; p++)
+    for (LitheIndex i = s->poly_off[p]; i < s->poly_off[p + 1]; i++) {
+      LitheIndex a = s->poly_point[i],
+                 c = s->poly_point[i + 1 < s->poly_off[p + 1] ? i + 1 : s->poly_off[p]];
+      edge[k++] = a < c ? (SoupEdge){a, c, 1} : (SoupEdge){c, a, 1};
+    }
+  qsort(edge, (size_t)n, sizeof *edge, compare_soup_edges);
+  for (LitheIndex i = 0, j; is_manifold && i < n; i = j) {
+    for (j = i; j < n && compare_soup_edges(edge + i, edge + j) == 0;) j++;
+    is_manifold = j - i == 2;
+    other[0] = edge[i].low, other[1] = edge[i].high;
+  }
+  free(edge);
+  return is_manifold;
+}
+
 /// Parts of the body that hang together: lowest cell of each cell's part.
 static inline LitheIndex *find_parts(const LthTopology *t) {
   LitheIndex *part = calloc((size_t)t->n_cells, sizeof *part);

@@ -116,6 +116,9 @@ static void check_closed(const LthSoup *s) {
   if (!soup_is_closed(s, open))
     fail_msg("edge %d %d is open: (%g %g %g)", open[0], open[1], s->points[3 * open[0]],
              s->points[3 * open[0] + 1], s->points[3 * open[0] + 2]);
+  if (!soup_is_manifold(s, open))
+    fail_msg("edge %d %d has other than two polygons: (%g %g %g)", open[0], open[1],
+             s->points[3 * open[0]], s->points[3 * open[0] + 1], s->points[3 * open[0] + 2]);
 }
 
 static double polygon_volume(const LthSoup *s, LitheIndex p, double *area) {

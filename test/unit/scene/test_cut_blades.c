@@ -108,6 +108,7 @@ static uint64_t begin;
 static void check_closed(const LthSoup *s) {
   LitheIndex open[2];
   if (!soup_is_closed(s, open)) FAIL("edge %d %d is open", open[0], open[1]);
+  if (!soup_is_manifold(s, open)) FAIL("edge %d %d has not two polygons", open[0], open[1]);
 }
 
 // --- its parts have the volume of their elements ---
