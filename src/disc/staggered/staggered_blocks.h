@@ -56,30 +56,27 @@ ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
   for (int e = 0; e < N_SHEAR; e++)
     B->samples.shear[e] = s + (2 + (DIM == 3 ? (e + 1) % 3 : 0)) * SIDE;
   if (!uniform) find_samples_f(L->level, near, &B->samples);
-  find_rows_f(L, near, L->x.at, L->x.stride, &B->rows);
+  find_rows_f(L, near, L->x.at, L->x.stride, false, &B->rows);
   look_ahead_f(L, block, L->x.at, L->x.stride, &B->ahead);
+  if (uniform) begin_planes_f(B);
 }
 
-/// f = A x in row q of vectors, in a block that is uniform or not.
-ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, Block_f *B, const bool uniform,
-                     LitheIndex q, Lane_f f[DIM]) {
-  const LitheIndex number = q - L->first[block];
-  row_f(B, uniform, uniform ? number : L->local[q], 0, f);
-  if (uniform || !L->inertia) return;
-  const float *m = L->inertia + (L->number[block] + number) * (LitheCount)WIDTH;
+/// f = A x in row q of vectors, in a general block.
+ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, LitheIndex q,
+                     Lane_f f[DIM]) {
+  row_f(B, L->local[q], 0, f);
+  if (!L->inertia) return;
+  const float *m = L->inertia + (L->number[block] + q - L->first[block]) * (LitheCount)WIDTH;
   UNROLL
   for (int a = 0; a < DIM; a++) f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + a * SIDE);
 }
 
 /// With row q of a block, fetch what is wanted soon.
-ALWAYS void fast_fetch(const LthFastLevel *L, const Block_f *B, LitheIndex block,
-                       const bool uniform, LitheIndex q) {
-  const LitheIndex number = q - L->first[block];
+ALWAYS void fast_fetch(const LthFastLevel *L, const Block_f *B, LitheIndex q, int row) {
   fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
   fetch_row_f(row_of(L->y, q + SOON));
   fetch_row_f(row_of(L->b, q + SOON));
-  fetch_ahead_f(&B->ahead, &B->samples, uniform ? number : L->local[q]);
-  if (!uniform) fetch_row_f(L->inverse + (L->number[block] + number + SOON) * (LitheCount)WIDTH);
+  fetch_ahead_f(&B->ahead, &B->samples, row);
 }
 
 /// Inverse of the diagonal of a component in a uniform block.
@@ -105,35 +102,59 @@ ALWAYS const float *inverse_of(const LthFastLevel *L, LitheIndex block, LitheInd
   return L->inverse + (L->number[block] + q - L->first[block]) * (LitheCount)WIDTH;
 }
 
-/// y = keep x - old y + length D^-1 (b - A x), row by row; returns b . y, in double precision.
-ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep step,
-                          const bool fresh, const bool uniform) {
-  const float keep = 1 + step.momentum, old = step.momentum, length = step.length;
+/// What a step takes, in a block.
+typedef struct Step {
+  LthFastStep by;
+  float same[DIM]; ///< length D^-1, where it is the same in all rows
+  Wide product;
+} Step;
+
+/// y = keep x - old y + length D^-1 (b - f) in row q.
+ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, const float *stored,
+                       LitheIndex q, const Lane_f f[DIM]) {
+  const float keep = 1 + step->by.momentum, old = step->by.momentum, length = step->by.length;
+  const float *x = row_of(L->x, q), *b = row_of(L->b, q);
+  float *y = row_of(L->y, q);
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const int at = a * SIDE;
+    const Lane_f rhs = load_f(b + at), r = rhs - f[a];
+    Lane_f z =
+        keep * load_f(x + at) + (stored ? length * load_f(stored + at) * r : step->same[a] * r);
+    if (!fresh) z -= old * load_f(y + at);
+    store_f(y + at, z);
+    if (step->by.product)
+      step->product += __builtin_convertvector(rhs, Wide) * __builtin_convertvector(z, Wide);
+  }
+}
+
+/// A step, row by row; returns b . y, in double precision.
+ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep by, const bool fresh,
+                          const bool uniform) {
+  const LitheIndex first = L->first[block], behind = L->first[block + 1];
   Block_f B;
-  Wide product = {0};
-  float same[DIM];
+  Lane_f f[DIM];
+  Step step = {.by = by};
   fast_block(L, block, &B);
   UNROLL
-  for (int a = 0; a < DIM; a++) same[a] = uniform ? length * inverse_diagonal(L, block, a) : 0;
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
-    const float *x = row_of(L->x, q), *b = row_of(L->b, q);
-    const float *stored = uniform ? NULL : inverse_of(L, block, q);
-    float *y = row_of(L->y, q);
-    fast_fetch(L, &B, block, uniform, q);
-    Lane_f f[DIM];
-    fast_row(L, block, &B, uniform, q, f);
-    UNROLL
-    for (int a = 0; a < DIM; a++) {
-      const int at = a * SIDE;
-      const Lane_f rhs = load_f(b + at), r = rhs - f[a];
-      Lane_f z = keep * load_f(x + at) + (uniform ? same[a] * r : length * load_f(stored + at) * r);
-      if (!fresh) z -= old * load_f(y + at);
-      store_f(y + at, z);
-      if (step.product)
-        product += __builtin_convertvector(rhs, Wide) * __builtin_convertvector(z, Wide);
+  for (int a = 0; a < DIM; a++)
+    step.same[a] = uniform ? by.length * inverse_diagonal(L, block, a) : 0;
+  for (LitheIndex q = first; !uniform && q < behind; q++) {
+    fast_fetch(L, &B, q, L->local[q]);
+    fetch_row_f(inverse_of(L, block, q + SOON));
+    fast_row(L, block, &B, q, f);
+    smooth_row(L, &step, fresh, inverse_of(L, block, q), q, f);
+  }
+  for (int k = 0; uniform && k < DEEP; k++) {
+    Slide_f slide[1];
+    UNROLL_SIDE
+    for (int j = 0; j < SIDE; j++) {
+      fast_fetch(L, &B, first + k * SIDE + j, k * SIDE + j);
+      next_row_f(&B, slide, j, k, 0, f);
+      smooth_row(L, &step, fresh, NULL, first + k * SIDE + j, f);
     }
   }
-  return step.product ? sum_wide(product) : 0;
+  return by.product ? sum_wide(step.product) : 0;
 }
 
 LTH_CLONES
@@ -166,38 +187,56 @@ ALWAYS const float *scale_of(const LthFastLevel *L, LitheIndex block, LitheIndex
   return L->scale + (L->scaled[block] + q - L->first[block]) * (LitheCount)WIDTH;
 }
 
-/// y = scale (b - A x), or (B is NULL) y = scale b, row by row.
-ALWAYS void scale_rows(const LthFastLevel *L, LitheIndex block, const bool uniform, Block_f *B) {
+/// y = scale (b - f) in row q; `scale` is NULL where it is the same in all rows.
+ALWAYS void scale_row(const LthFastLevel *L, float same, const float *scale, LitheIndex q,
+                      const Lane_f f[DIM]) {
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const Lane_f r = load_f(row_of(L->b, q) + a * SIDE) - f[a];
+    store_f(row_of(L->y, q) + a * SIDE, scale ? r * load_f(scale + a * SIDE) : r * same);
+  }
+}
+
+/// y = scale (b - A x), row by row.
+ALWAYS void residual_rows(const LthFastLevel *L, LitheIndex block, const bool uniform) {
+  const LitheIndex first = L->first[block], behind = L->first[block + 1];
   const bool varies = L->scaled[block] >= 0;
   const float same = L->same_scale[block];
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
-    const float *b = row_of(L->b, q), *scale = varies ? scale_of(L, block, q) : NULL;
-    float *y = row_of(L->y, q);
-    Lane_f f[DIM] = {0};
-    if (B) {
-      fast_fetch(L, B, block, uniform, q);
-      fast_row(L, block, B, uniform, q, f);
-    }
-    UNROLL
-    for (int a = 0; a < DIM; a++) {
-      const Lane_f r = load_f(b + a * SIDE) - f[a];
-      store_f(y + a * SIDE, varies ? r * load_f(scale + a * SIDE) : r * same);
+  Block_f B;
+  Lane_f f[DIM];
+  fast_block(L, block, &B);
+  for (LitheIndex q = first; !uniform && q < behind; q++) {
+    fast_fetch(L, &B, q, L->local[q]);
+    fast_row(L, block, &B, q, f);
+    scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, f);
+  }
+  for (int k = 0; uniform && k < DEEP; k++) {
+    Slide_f slide[1];
+    UNROLL_SIDE
+    for (int j = 0; j < SIDE; j++) {
+      const LitheIndex q = first + k * SIDE + j;
+      fast_fetch(L, &B, q, k * SIDE + j);
+      next_row_f(&B, slide, j, k, 0, f);
+      scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, f);
     }
   }
 }
 
 LTH_CLONES
 static void residual(const LthFastLevel *L, LitheIndex block) {
-  Block_f B;
-  fast_block(L, block, &B);
   if (L->kind[block] == LTH_BLOCK_UNIFORM)
-    scale_rows(L, block, true, &B);
+    residual_rows(L, block, true);
   else
-    scale_rows(L, block, false, &B);
+    residual_rows(L, block, false);
 }
 
 LTH_CLONES
-static void weigh(const LthFastLevel *L, LitheIndex block) { scale_rows(L, block, false, NULL); }
+static void weigh(const LthFastLevel *L, LitheIndex block) {
+  const Lane_f none[DIM] = {0};
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++)
+    scale_row(L, L->same_scale[block], L->scaled[block] >= 0 ? scale_of(L, block, q) : NULL, q,
+              none);
+}
 
 /// The operator in double precision in a block.
 ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
@@ -218,8 +257,9 @@ ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, d
   UNROLL
   for (int e = 0; e < N_SHEAR; e++) B->samples.shear[e] = l->shear[DIM == 3 ? e : 2];
   if (!uniform) find_samples_d(l, near, &B->samples);
-  find_rows_d(L, near, values, WIDTH, &B->rows);
+  find_rows_d(L, near, values, WIDTH, false, &B->rows);
   look_ahead_d(L, block, values, WIDTH, &B->ahead);
+  if (uniform) begin_planes_d(B);
 }
 
 typedef uint64_t Bits __attribute__((vector_size(64)));
@@ -240,8 +280,10 @@ ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, in
   const LthStaggeredLevel *l = L->level;
   const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q];
   UNROLL
+  for (int a = 0; a < DIM; a++) __builtin_prefetch(l->state[a] + row * SIDE + CELLS, 0, 2);
+  if (plain && inert == 0) return;
+  UNROLL
   for (int a = 0; a < DIM; a++) {
-    __builtin_prefetch(l->state[a] + row * SIDE + CELLS, 0, 2);
     if (inert != 0)
       f[a] += inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
               load_d(p + a * SIDE + i);
@@ -249,28 +291,53 @@ ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, in
   }
 }
 
+/// With row q of vectors of a block, its row `row`, fetch what is wanted soon.
+ALWAYS void exact_fetch(const Block_d *B, const double *p, const double *to, int row) {
+  fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
+  fetch_row_d(to + SOON * WIDTH);
+  fetch_ahead_d(&B->ahead, &B->samples, row);
+}
+
+/// q = f; returns p . q, both from `i` on in their rows.
+ALWAYS Lane_d exact_store(const double *p, const Lane_d f[DIM], double *q) {
+  Lane_d product = {0};
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    store_d(q + a * SIDE, f[a]);
+    product += f[a] * load_d(p + a * SIDE);
+  }
+  return product;
+}
+
 /// q = A p in a block, row by row; returns p . q.
 ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
                          bool held, const bool uniform, const double *values, double *result) {
   const LitheIndex first = L->first[block], behind = L->first[block + 1];
   Block_d B;
-  Lane_d product = {0};
+  Lane_d product = {0}, f[DIM];
   exact_block(L, block, stiff, inert, values, &B);
-  for (LitheIndex q = first; q < behind; q++) {
+  for (LitheIndex q = first; !uniform && q < behind; q++) {
     const double *p = values + q * (LitheCount)WIDTH;
     double *to = result + q * (LitheCount)WIDTH;
-    const int row = uniform ? q - first : L->local[q];
-    fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
-    fetch_row_d(to + SOON * WIDTH);
-    fetch_ahead_d(&B.ahead, &B.samples, row);
+    exact_fetch(&B, p, to, L->local[q]);
+    UNROLL
     for (int i = 0; i < SIDE; i += 8) {
-      Lane_d f[DIM];
-      row_d(&B, uniform, row, i, f);
-      if (!uniform) finish_row(L, block, q, i, inert, held, B.plain >> row & 1, p, f);
+      row_d(&B, L->local[q], i, f);
+      finish_row(L, block, q, i, inert, held, B.plain >> L->local[q] & 1, p, f);
+      product += exact_store(p + i, f, to + i);
+    }
+  }
+  for (int k = 0; uniform && k < DEEP; k++) {
+    Slide_d slide[SIDE / 8];
+    UNROLL_SIDE
+    for (int j = 0; j < SIDE; j++) {
+      const double *p = values + (first + k * SIDE + j) * (LitheCount)WIDTH;
+      double *to = result + (first + k * SIDE + j) * (LitheCount)WIDTH;
+      exact_fetch(&B, p, to, k * SIDE + j);
       UNROLL
-      for (int a = 0; a < DIM; a++) {
-        store_d(to + a * SIDE + i, f[a]);
-        product += f[a] * load_d(p + a * SIDE + i);
+      for (int i = 0; i < SIDE; i += 8) {
+        next_row_d(&B, slide, j, k, i, f);
+        product += exact_store(p + i, f, to + i);
       }
     }
   }

@@ -25,6 +25,7 @@
 #define WIDTH (DIM * SIDE) // values of a row of vectors
 #define SOON 64            // rows
 #define UNROLL _Pragma("GCC unroll 3")
+#define UNROLL_SIDE _Pragma("GCC unroll 16")
 #define ALWAYS static inline __attribute__((always_inline))
 
 /// LANES values along x.
@@ -51,66 +52,68 @@ ALWAYS N(Lane) N(shift_down)(N(Lane) before, N(Lane) v) {
 #endif
 }
 
-/// Where eight rows stand, and their numbers.
-#ifndef PLACES
-#define PLACES
-typedef intptr_t Places __attribute__((vector_size(64), aligned(8), may_alias));
-typedef LitheIndex Numbers __attribute__((vector_size(32), aligned(4), may_alias));
-#endif
-
 /// Where rows of a block and those around it stand: in the blocks before, here and after along x.
 typedef struct N(Rows) {
   const REAL *at[3][N_ROWS];
 } N(Rows);
 
-/// Rows of one block: row r stands at values + row[r] stride; `row` is NULL where they follow each other.
+/// Rows of one block that are alive follow each other, from `first` on.
 typedef struct N(Near) {
-  const REAL *values;
-  const LitheIndex *row;
+  uint64_t alive;
+  LitheIndex first;
 } N(Near);
 
-/// Whether all rows of a block are there: they follow each other.
-ALWAYS bool N(is_full)(const LthFastLevel *L, LitheIndex block) {
-  return L->first[block + 1] - L->first[block] == BLOCK_ROWS;
+/// A block, -1: none.
+ALWAYS N(Near) N(find_near)(const LthFastLevel *L, LitheIndex block) {
+  return block < 0 ? (N(Near)){0} : (N(Near)){L->alive[block], L->first[block]};
 }
 
-/// A block, -1: none. Rows of one that is full are not looked up, nor waited for.
-ALWAYS N(Near)
-    N(find_near)(const LthFastLevel *L, LitheIndex block, const REAL *values, LitheCount stride) {
-  static const LitheIndex no_rows[BLOCK_ROWS];
-  if (block < 0) return (N(Near)){values, no_rows};
-  if (N(is_full)(L, block)) return (N(Near)){values + L->first[block] * stride, NULL};
-  return (N(Near)){values, L->row + block * (LitheCount)BLOCK_ROWS};
+/// Number in vectors of a row of a block, 0 where it is not there.
+ALWAYS LitheIndex N(number)(N(Near) near, int row) {
+  const uint64_t below = near.alive & (((uint64_t)1 << row) - 1);
+  return near.alive >> row & 1 ? near.first + (LitheIndex)__builtin_popcountll(below) : 0;
 }
 
-ALWAYS const REAL *N(place)(const N(Near) * near, int row, LitheCount stride) {
-  return near->values + (near->row ? near->row[row] : row) * stride;
-}
-
-/// Rows first ... first + SIDE - 1, eight at a time.
-ALWAYS void N(find_places)(const N(Near) * near, int first, LitheCount stride, const REAL **to) {
-  const intptr_t values = (intptr_t)near->values, size = stride * (LitheCount)sizeof(REAL);
-  UNROLL
-  for (int r = 0; r < SIDE; r += 8) {
-    Places row = first + r + (Places){0, 1, 2, 3, 4, 5, 6, 7};
-    if (near->row) row = __builtin_convertvector(*(const Numbers *)(near->row + first + r), Places);
-    *(Places *)(to + r) = values + row * size;
+/// Where rows first ... first + SIDE - 1 stand.
+ALWAYS void N(find_places)(N(Near) near, int first, const REAL *values, LitheCount stride,
+                           const REAL **to) {
+  const uint64_t all = ((uint64_t)1 << (SIDE - 1) << 1) - 1, alive = near.alive >> first & all;
+  LitheCount q = near.first + __builtin_popcountll(near.alive & (((uint64_t)1 << first) - 1));
+  if (alive == all) {
+    UNROLL_SIDE
+    for (int r = 0; r < SIDE; r++) to[r] = values + (q + r) * stride;
+    return;
+  }
+  UNROLL_SIDE
+  for (int r = 0; r < SIDE; r++) {
+    const LitheCount there = alive >> r & 1;
+    to[r] = values + (there ? q : 0) * stride;
+    q += there;
   }
 }
 
-/// Rows of vectors around a block, whose own number and those of its neighbours are given, -1 where there is none.
+/// Whether the operator reads rows of a block at offsets (x, y, z): of those beside rows along two axes some alone, for
+/// differences of one component along an axis of another.
+ALWAYS bool N(is_read)(int x, int y, int z) {
+  const int up = (x > 0) + (y > 0) + (z > 0), down = (x < 0) + (y < 0) + (z < 0);
+  return up <= 1 && down <= 1;
+}
+
+/// Rows of vectors around a block, whose own number and those of its neighbours are given, -1 where there is none: all,
+/// or those that the operator reads.
 ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], const REAL *values,
-                         LitheCount stride, N(Rows) * rows) {
-  for (int i = 0; i < N_NEAR; i++) {
-    const N(Near) near = N(find_near)(L, block[i], values, stride);
-    const int x = i % 3, y = i / 3 % 3, z = DIM == 3 ? i / 9 : 1;
-    const int last = z == 0 ? 0 : z == 2 ? DEEP : DEEP - 1;
-    for (int k = z == 0 ? FIRST_K : z == 2 ? DEEP : 0; k < (z == 0 ? 0 : last + 1); k++) {
-      const REAL **to = rows->at[x] + ROW(-1, k);
+                         LitheCount stride, const bool all, N(Rows) * rows) {
+  _Pragma("GCC unroll 27") for (int i = 0; i < N_NEAR; i++) {
+    const int x = i % 3 - 1, y = i / 3 % 3 - 1, z = DIM == 3 ? i / 9 - 1 : 0;
+    if (!all && !N(is_read)(x, y, z)) continue;
+    const N(Near) near = N(find_near)(L, block[i]);
+    const int first = z < 0 ? FIRST_K : z > 0 ? DEEP : 0, n = z == 0 ? DEEP : 1;
+    for (int k = first; k < first + n; k++) {
+      const REAL **to = rows->at[x + 1] + ROW(-1, k);
       const int at = (k & (DEEP - 1)) * SIDE;
-      if (y == 0) to[0] = N(place)(&near, at + SIDE - 1, stride);
-      if (y == 1) N(find_places)(&near, at, stride, to + 1);
-      if (y == 2) to[1 + SIDE] = N(place)(&near, at, stride);
+      if (y < 0) to[0] = values + N(number)(near, at + SIDE - 1) * stride;
+      if (y == 0) N(find_places)(near, at, values, stride, to + 1);
+      if (y > 0) to[1 + SIDE] = values + N(number)(near, at) * stride;
     }
   }
 }
@@ -166,21 +169,71 @@ ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ra
   return c;
 }
 
-/// f = A u in row r; returns the divergence there. `before`: where it is known below along y and z, else NULL.
-ALWAYS N(Lane) N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
-                              const N(Lane) before[DIM], N(Lane) f[DIM]) {
-  const N(Lane) here = N(divergence)(rows, c->ratio, r, 0, i);
+/// What a row leaves for the next one along y: its values, of which `low` stands one place down, how much they grow from the row before,
+/// and its divergence; and divergences of the plane before, by rows.
+typedef struct N(Slide) {
+  N(Lane) here[DIM], low, rise[DIM], before;
+} N(Slide);
+
+/// Values of row r and how much they grow from the one before.
+ALWAYS void N(begin_slide)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
+                           N(Slide) * s) {
   UNROLL
   for (int a = 0; a < DIM; a++) {
-    const N(Lane) there =
-        a > 0 && before ? before[a] : N(divergence)(rows, c->ratio, r - UP(a), -(a == 0), i);
-    f[a] = c->inertia * N(at)(rows, a, r, 0, i) - c->gradient[a] * (here - there);
-    UNROLL
-    for (int b = 0; b < DIM; b++)
-      f[a] += c->laplacian[b] *
-              (N(rise)(rows, a, b, r - UP(b), -(b == 0), i) - N(rise)(rows, a, b, r, 0, i));
+    s->here[a] = N(at)(rows, a, r, 0, i);
+    s->rise[a] = N(rise)(rows, a, 1, r - 1, 0, i);
   }
-  return here;
+  s->low = N(at)(rows, 1, r, -1, i);
+  s->before = N(divergence)(rows, c->ratio, r - 1, 0, i);
+}
+
+/// f = A u in row r, where coefficients are constant; `under`: divergence in the plane before, then in this one.
+ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, N(Slide) * s,
+                           N(Lane) * under, N(Lane) f[DIM]) {
+  N(Lane) low[DIM], high[DIM], next[DIM], here = {0}, left = {0};
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    low[a] = s->here[a] - (a == 1 ? s->low : N(at)(rows, a, r, -1, i));
+    high[a] = N(at)(rows, a, r, 1, i) - s->here[a];
+    next[a] = N(at)(rows, a, r + 1, 0, i);
+    f[a] = c->inertia * s->here[a] + c->laplacian[0] * (low[a] - high[a]);
+  }
+  here = c->ratio[0] * high[0];
+  left = c->ratio[0] * low[0];
+  const N(Lane) low_next = N(at)(rows, 1, r + 1, -1, i);
+  left += c->ratio[1] * (low_next - s->low);
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const N(Lane) rise = next[a] - s->here[a];
+    f[a] += c->laplacian[1] * (s->rise[a] - rise);
+    s->rise[a] = rise;
+  }
+  here += c->ratio[1] * s->rise[1];
+#if DIM == 3
+  left += c->ratio[2] * N(rise)(rows, 2, 2, r, -1, i);
+  UNROLL
+  for (int a = 0; a < DIM; a++) {
+    const N(Lane) rise = N(at)(rows, a, r + UP(2), 0, i) - s->here[a];
+    f[a] += c->laplacian[2] * (s->here[a] - N(at)(rows, a, r - UP(2), 0, i) - rise);
+    if (a == 2) here += c->ratio[2] * rise;
+  }
+  f[2] -= c->gradient[2] * (here - *under);
+#endif
+  *under = here;
+  f[0] -= c->gradient[0] * (here - left);
+  f[1] -= c->gradient[1] * (here - s->before);
+  UNROLL
+  for (int a = 0; a < DIM; a++) s->here[a] = next[a];
+  s->low = low_next;
+  s->before = here;
+}
+
+/// The same for a row alone.
+ALWAYS void N(lone_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, N(Lane) f[DIM]) {
+  N(Slide) s;
+  N(begin_slide)(rows, c, r, i, &s);
+  N(Lane) under = DIM == 3 ? N(divergence)(rows, c->ratio, r - UP(DIM - 1), 0, i) : (N(Lane)){0};
+  N(uniform_row)(rows, c, r, i, &s, &under, f);
 }
 
 #define N_SHEAR (DIM == 3 ? 3 : 1)
@@ -229,8 +282,9 @@ ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
 /// What is fetched while a block is computed: rows that the next one reads of those that follow it along y and z, whom nobody has
 /// touched before; of a general one samples there; and numbers of samples of a later one and of those that follow it.
 typedef struct N(Ahead) {
-  N(Near) near[2];
+  const REAL *values;
   LitheCount stride;
+  N(Near) near[2];
   const LitheIndex *samples[2], *numbers[3]; ///< NULL: none
 } N(Ahead);
 
@@ -242,13 +296,14 @@ ALWAYS void N(look_ahead)(const LthFastLevel *L, LitheIndex block, const REAL *v
   const LitheIndex *later =
       g->neighbor + (LitheCount)block_later(g, block, 2) * N_NEAR + N_NEAR / 2;
   const bool general = L->kind[next] == LTH_BLOCK_GENERAL;
+  A->values = values;
   A->stride = stride;
   UNROLL
   for (int i = 0; i < DIM; i++) {
     const int to = i == 0 ? 0 : i == 1 ? 3 : 9;
     A->numbers[i] = later[to] < 0 ? NULL : row + later[to] * (LitheCount)BLOCK_ROWS;
     if (i == 0) continue;
-    A->near[i - 1] = N(find_near)(L, near[to], values, stride);
+    A->near[i - 1] = N(find_near)(L, near[to]);
     A->samples[i - 1] = general && near[to] >= 0 ? row + near[to] * (LitheCount)BLOCK_ROWS : NULL;
   }
 }
@@ -266,7 +321,7 @@ ALWAYS void N(fetch_ahead)(const N(Ahead) * A, const N(Samples) * c, int row) {
   }
   if (row % EVERY) return;
   const int n = row / EVERY, plane = n >= SIDE, at = DIM == 2 ? 0 : plane ? n - SIDE : n * SIDE;
-  N(fetch_row)(N(place)(&A->near[plane], at, A->stride));
+  N(fetch_row)(A->values + N(number)(A->near[plane], at) * A->stride);
   if (!A->samples[plane]) return;
   UNROLL
   for (int e = 0; e < N_SHEAR; e++)
@@ -329,31 +384,27 @@ typedef struct N(Block) {
   N(Samples) samples;
   N(Ahead) ahead;
   uint64_t plain;
-  N(Lane)
-  before[SIDE / LANES], under[SIDE][SIDE / LANES]; ///< divergences, where all rows are plain
+  N(Lane) under[SIDE][SIDE / LANES]; ///< divergences of a plane
 } N(Block);
 
-/// f = K u with the inertia of `same` in a row of a block whose rows are all plain, one after the other.
-ALWAYS void N(next_row)(N(Block) * B, int j, int k, int i, N(Lane) f[DIM]) {
-  const N(Rows) *rows = &B->rows;
-  N(Lane) *before = &B->before[i / LANES], *under = &B->under[j][i / LANES];
-  if (j == 0) *before = N(divergence)(rows, B->same.ratio, ROW(-1, k), 0, i);
-  if (DIM == 3 && k == 0) *under = N(divergence)(rows, B->same.ratio, ROW(j, FIRST_K), 0, i);
-#if DIM == 3
-  const N(Lane) both[] = {*under, *before, *under};
-#else
-  const N(Lane) both[] = {*before, *before};
-#endif
-  *before = *under = N(uniform_row)(rows, &B->same, ROW(j, k), i, both, f);
+/// Divergences of the plane before a block whose rows are all plain.
+ALWAYS void N(begin_planes)(N(Block) * B) {
+  for (int j = 0; DIM == 3 && j < SIDE; j++)
+    B->under[j][0] = N(divergence)(&B->rows, B->same.ratio, ROW(j, FIRST_K), 0, 0);
 }
 
-/// f = K u (in plain rows with the inertia of `same`) in a row of the block, `all_plain`: whose rows are all plain.
-ALWAYS void N(row)(N(Block) * B, const bool all_plain, int row, int i, N(Lane) f[DIM]) {
+/// f = K u with the inertia of `same` in row (j, k) of such a block, one after the other.
+ALWAYS void N(next_row)(N(Block) * B, N(Slide) s[SIDE / LANES], int j, int k, int i,
+                        N(Lane) f[DIM]) {
+  if (j == 0) N(begin_slide)(&B->rows, &B->same, ROW(0, k), i, &s[i / LANES]);
+  N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, &s[i / LANES], &B->under[j][i / LANES], f);
+}
+
+/// f = K u (in plain rows with the inertia of `same`) in a row of a block that has others, too.
+ALWAYS void N(row)(const N(Block) * B, int row, int i, N(Lane) f[DIM]) {
   const int j = row & (SIDE - 1), k = row / SIDE;
-  if (all_plain)
-    N(next_row)(B, j, k, i, f);
-  else if (B->plain >> row & 1)
-    N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, NULL, f);
+  if (B->plain >> row & 1)
+    N(lone_row)(&B->rows, &B->same, ROW(j, k), i, f);
   else
     N(general_row)(&B->rows, &B->samples, j, k, i, f);
 }

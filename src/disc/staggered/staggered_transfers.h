@@ -147,10 +147,10 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
   _Alignas(64) float c[DIM][PADDED], out[CELLS];
   const LitheIndex *near = coarse->grid->neighbor + (LitheCount)block * N_NEAR;
   Rows_f rows;
-  find_rows_f(coarse, near, coarse->x.at, coarse->x.stride, &rows);
+  find_rows_f(coarse, near, coarse->x.at, coarse->x.stride, true, &rows);
   for (int a = 0; a < DIM; a++) pad(&rows, a, c[a]);
   if (coarse->pull) {
-    find_rows_f(coarse, near, coarse->pull, WIDTH, &rows);
+    find_rows_f(coarse, near, coarse->pull, WIDTH, true, &rows);
     for (int a = 0; a < DIM; a++) {
       _Alignas(64) float pull[PADDED];
       pad(&rows, a, pull);
@@ -225,7 +225,7 @@ static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, Li
     if (!find_near_place(fine->grid, place, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
     Rows_f rows;
-    find_rows_f(fine, near, fine->y.at, fine->y.stride, &rows);
+    find_rows_f(fine, near, fine->y.at, fine->y.stride, true, &rows);
     for (int a = 0; a < DIM; a++) collect(&rows, a, sum + a * CELLS + first);
   }
   for (LitheIndex q = coarse->first[block]; q < coarse->first[block + 1]; q++) {
