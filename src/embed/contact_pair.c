@@ -9,6 +9,7 @@
 #define REACH_CELLS 0.1 ///< of a cell: how far beyond a straight step points are watched
 #define REACH_STEPS 2   ///< straight steps that they are watched for
 #define FACING 0.3      ///< largest cosine between the normals of what touches
+#define DEEP 0.01       ///< of a cell: bodies that begin farther inside each other are warned of
 #define FAST 0.5        ///< of the thinner body in a step: faster ones may pass through each other
 
 /// A body's surface as it is now, and what its points meet.
@@ -204,6 +205,20 @@ static void warn_of_speed(LitheCtx *ctx, LthContact *c, double way) {
            pair->side[0].def.name, pair->side[1].def.name, way, c->t, thin);
 }
 
+/// Slack in the first step of a run is what bodies begin inside each other by.
+static void warn_of_depth(LitheCtx *ctx, const LthContact *c) {
+  const LthPair *pair = c->self;
+  double deepest = 0;
+  for (LitheIndex i = 0; i < c->n_touch && !c->started; i++)
+    deepest = fmax(deepest, c->touch[i].slack);
+  if (!(deepest > DEEP * c->cell_size)) return;
+  lth_warn(ctx,
+           "%s and %s begin up to %.3g m inside each other: contact holds them from going deeper, "
+           "and does not push "
+           "them apart; a static run finds where they balance",
+           pair->side[0].def.name, pair->side[1].def.name, deepest);
+}
+
 static LitheStatus pair_find_near(LitheCtx *ctx, LthContact *c) {
   const LthPair *pair = c->self;
   if (!pair->is_near) return LITHE_OK;
@@ -212,6 +227,7 @@ static LitheStatus pair_find_near(LitheCtx *ctx, LthContact *c) {
     find_hits(c, s);
     LITHE_TRY(collect(ctx, c, s));
   }
+  warn_of_depth(ctx, c);
   return LITHE_OK;
 }
 

@@ -373,6 +373,34 @@ static void springs_give_no_more_than_they_took(void **state) {
   }
 }
 
+/// A solve that had a point active which ends short of the surface has pulled it there: that is energy which no spring had, and the point is
+/// left out. It stays so for the step, also where it would come in again.
+static void points_that_pull_and_make_energy_are_left_out(void **state) {
+  Fixture *f = *state;
+  const double gap = 0.001, unit = STIFFNESS * AREA;
+  double found, stored, spare, *v = &f->v[3 * f->space->func_off[BLOCK] + 2];
+  Parts *p = make_pair(f, COARSE, 0, false);
+  push(f, p, -gap, 0.01, &found);
+  *v = -0.5 * gap;
+  lth_contact_revise(p->contact, f->v);
+  lth_contact_energy(p->contact, &stored, &spare);
+  CHECK_NEAR(stored, 0, 0);
+  CHECK_NEAR(spare, -unit * 0.5 * gap * 0.5 * gap, 1e-9 * unit * gap * gap);
+  assert_true(lth_contact_acted(p->contact));
+  assert_true(lth_contact_drop_pulls(p->contact));
+  *v = -0.01;
+  lth_contact_revise(p->contact, f->v);
+  assert_false(lth_contact_acted(p->contact));
+  assert_false(lth_contact_drop_pulls(p->contact));
+  lth_contact_energy(p->contact, &stored, &spare);
+  CHECK_NEAR(stored, 0, 0);
+  CHECK_NEAR(spare, 0, 0);
+  LitheIndex n;
+  double depth, force;
+  lth_contact_report(p->contact, &n, &depth, &force);
+  assert_int_equal(n, 0);
+}
+
 /// A part elsewhere falls in two, and all parts, points and triangles get other numbers; the base's triangles may become
 /// others, too. What is held by friction is held where it was, with the same pull.
 static void friction_holds_where_it_did_after_a_cut_elsewhere(void **state) {
@@ -419,6 +447,8 @@ int main(void) {
       cmocka_unit_test_setup_teardown(what_was_not_seen_coming_does_not_touch_where_it_is_deep,
                                       setup, teardown),
       cmocka_unit_test_setup_teardown(springs_give_no_more_than_they_took, setup, teardown),
+      cmocka_unit_test_setup_teardown(points_that_pull_and_make_energy_are_left_out, setup,
+                                      teardown),
       cmocka_unit_test_setup_teardown(friction_holds_where_it_did_after_a_cut_elsewhere, setup,
                                       teardown)};
   return cmocka_run_group_tests(tests, NULL, NULL);

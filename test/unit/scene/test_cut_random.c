@@ -226,19 +226,21 @@ static void cuts_that_broke_something_do_so_no_more(void **state) {
   static const struct {
     uint64_t seed;
     const char *integrator;
+    bool is_long;
   } known[] = {
       // a needle 1e-5 and 5e-7 of its length wide, in the bend of a blade
-      {8498779325306499365u, "implicit-euler"},
+      {8498779325306499365u, "implicit-euler", false},
       // pieces that are found deep in each other all of a sudden
-      {2588095274298157736u, "implicit-euler"},
+      {2588095274298157736u, "implicit-euler", false},
       // points that pull where their set had not settled after all solves of a step
-      {13986179038320760974u, "implicit-euler"},
-      {2208268913981876127u, "newmark"},
+      {13986179038320760974u, "implicit-euler", true},
+      {2208268913981876127u, "newmark", true},
   };
   const uint64_t next = seed;
   const char *const chosen = integrator;
   Tally tally = {0};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+    if (known[i].is_long && !getenv("LITHE_TEST_OPERATIONS")) continue;
     seed = known[i].seed;
     integrator = known[i].integrator;
     run_body(&tally);
