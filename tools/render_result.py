@@ -14,7 +14,7 @@ import os
 import struct
 
 import vtk
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 import numpy as np
 
 
@@ -186,16 +186,90 @@ def add_floor(renderer, y, bounds):
     renderer.AddActor(actor)
 
 
+def cross(a, b, c):
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def flatten(corners):
+    """Corners of a nearly plane polygon in its plane, anticlockwise."""
+    after = np.roll(corners, -1, axis=0)
+    normal = np.cross(corners - corners[0], after - corners[0]).sum(axis=0)
+    axis = np.eye(3)[np.argmin(np.abs(normal))]
+    u = np.cross(axis, normal)
+    return np.stack([corners @ u, corners @ np.cross(normal, u)], axis=1).tolist()
+
+
+def cut_ears(corners):
+    """Triangles of a polygon that may be concave and have corners inside its edges: the ear of the largest area goes first."""
+    at, left, triangles = flatten(corners), list(range(len(corners))), []
+    while len(left) > 3:
+        best, largest = 0, -np.inf
+        for i in range(len(left)):
+            a, b, c = left[i - 1], left[i], left[(i + 1) % len(left)]
+            area = cross(at[a], at[b], at[c])
+            if area <= largest:
+                continue
+            ear = ((a, b), (b, c), (c, a))
+            if not any(all(cross(at[p], at[q], at[k]) > 0 for p, q in ear) for k in left if k not in (a, b, c)):
+                best, largest = i, area
+        triangles.append((left[best - 1], left[best], left[(best + 1) % len(left)]))
+        del left[best]
+    return triangles + [tuple(left)]
+
+
+def corner_normals(places, vertex, face, area, angle):
+    """Normal of every corner: the mean by area of the faces around its vertex that turn by less than an angle [degrees] from its own."""
+    size = np.linalg.norm(area, axis=1)
+    by_vertex = np.argsort(vertex, kind="stable")
+    count = np.bincount(vertex, minlength=len(places))
+    first = np.cumsum(count) - count
+    own, normals = area[face], np.zeros((len(face), 3))
+    for i in range(count.max()):
+        there = count[vertex] > i
+        other = face[by_vertex[first[vertex[there]] + i]]
+        near = (own[there] * area[other]).sum(axis=1) >= np.cos(np.radians(angle)) * size[face[there]] * size[other]
+        normals[there] += np.where(near[:, None], area[other], 0)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+
+
+def shade(data, angle):
+    """Triangles with corners and normals of their own, split at edges sharper than an angle. VTK draws concave faces as fans, its
+    triangulation drops some that have corners inside their edges, and thin triangles count as much as wide ones in its normals."""
+    places = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+    offset = vtk_to_numpy(data.GetPolys().GetOffsetsArray())
+    vertex = vtk_to_numpy(data.GetPolys().GetConnectivityArray())
+    face = np.repeat(np.arange(len(offset) - 1), np.diff(offset))
+    after = np.arange(1, len(vertex) + 1)
+    after[offset[1:] - 1] = offset[:-1]
+    corner, origin = places[vertex], places[vertex[offset[:-1]]][face]
+    area = np.zeros((len(offset) - 1, 3))
+    np.add.at(area, face, np.cross(corner - origin, corner[after] - origin))
+    triangles, source = [], []
+    for f, (low, high) in enumerate(zip(offset[:-1], offset[1:])):
+        ears = [(0, 1, 2)] if high == low + 3 else cut_ears(corner[low:high])
+        triangles += [(low + i, low + j, low + k) for i, j, k in ears]
+        source += [f] * len(ears)
+    cells = vtk.vtkCellArray()
+    cells.SetData(3, numpy_to_vtkIdTypeArray(np.array(triangles, dtype=np.int64).ravel(), deep=True))
+    points = vtk.vtkPoints()
+    points.SetData(numpy_to_vtk(corner, deep=True))
+    out = vtk.vtkPolyData()
+    out.SetPoints(points)
+    out.SetPolys(cells)
+    out.GetPointData().SetNormals(numpy_to_vtk(corner_normals(places, vertex, face, area, angle), deep=True))
+    for i in range(data.GetCellData().GetNumberOfArrays()):
+        values = data.GetCellData().GetArray(i)
+        if values is None:
+            continue
+        taken = numpy_to_vtk(vtk_to_numpy(values)[source], deep=True)
+        taken.SetName(values.GetName())
+        out.GetCellData().AddArray(taken)
+    return out
+
+
 def make_actor(data, what, colour, top):
-    triangles = vtk.vtkTriangleFilter()  # faces may be concave, and are drawn as fans otherwise
-    triangles.SetInputData(data)
-    normals = vtk.vtkPolyDataNormals()
-    normals.SetInputConnection(triangles.GetOutputPort())
-    normals.SetFeatureAngle(60 if what == "surface" else 1)
-    normals.SplittingOn()
-    normals.ConsistencyOff()
     mapper = vtk.vtkPolyDataMapper()
-    mapper.SetInputConnection(normals.GetOutputPort())
+    mapper.SetInputData(shade(data, 60 if what == "surface" else 1))
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
     actor.GetProperty().SetColor(.80, .62, .45)
