@@ -9,6 +9,9 @@
 /// A common face below this share of the smaller cell's area is a line or a point.
 #define NO_CONTACT 1e-12
 
+/// Of a cell: how far apart two sides of a cut may be by rounding; less the cosine of their normals is more than -1.
+#define TWINS 1e-9
+
 /// Area of the common faces.
 static double contact(const LthTopology *t, LitheIndex a, LitheIndex b) {
   double area = 0;
@@ -20,16 +23,36 @@ static double contact(const LthTopology *t, LitheIndex a, LitheIndex b) {
   return area;
 }
 
-/// Faces of one cut that look at each other are its two sides.
+/// Is a place inside of face f, by its middle or well inside of a corner, in face g of the same plane?
+static bool covers(const LthTopology *t, LitheIndex f, LitheIndex g, double near) {
+  LthFaceView v = lth_topology_face(t, f), w = lth_topology_face(t, g);
+  const double *middle = t->faces[f].centroid;
+  if (lth_face_distance2(&w, middle) <= near * near) return true;
+  for (LitheIndex i = 0; i < v.loop_off[v.n_loops]; i++) {
+    double x[3], d[3];
+    lth_v3_sub(v.points + 3 * (LitheCount)v.loop_point[i], middle, d);
+    lth_v3_copy(middle, x);
+    lth_v3_axpy(0.9, d, x);
+    if (lth_face_distance2(&w, x) <= near * near) return true;
+  }
+  return false;
+}
+
+/// Do two faces of one cut lie face to face? Its two sides have the same plane there, whatever was split or joined since, and
+/// cover each other.
+static bool are_twins(const LthTopology *t, LitheIndex f, LitheIndex g) {
+  const double *p = t->faces[f].plane, *q = t->faces[g].plane, near = TWINS * t->cell_size;
+  if (lth_v3_dot(p, q) > TWINS - 1 || fabs(p[3] + q[3]) > near) return false;
+  return covers(t, f, g, near) || covers(t, g, f, near);
+}
+
+/// A cell must not have both sides of a cut.
 static bool is_parted(const LthTopology *t, LitheIndex a, LitheIndex b) {
   const LitheIndex *fa = lth_topology_cell_faces(t, a), *fb = lth_topology_cell_faces(t, b);
   for (LitheIndex i = 0; i < t->cells[a].n_faces; i++) {
-    const LthTopologyFace *f = t->faces + fa[i];
-    if (f->tag > LTH_TAG_CUT) continue;
-    for (LitheIndex j = 0; j < t->cells[b].n_faces; j++) {
-      const LthTopologyFace *g = t->faces + fb[j];
-      if (g->tag == f->tag && lth_v3_dot(f->plane, g->plane) < 0) return true;
-    }
+    if (t->faces[fa[i]].tag > LTH_TAG_CUT) continue;
+    for (LitheIndex j = 0; j < t->cells[b].n_faces; j++)
+      if (t->faces[fb[j]].tag == t->faces[fa[i]].tag && are_twins(t, fa[i], fb[j])) return true;
   }
   return false;
 }

@@ -118,6 +118,27 @@ with folder() as d:
     expect("elements_are_those_of_the_last_cut", result["bodies"][0]["elements"] == notes[2]["elements"], result["bodies"])
     expect("volume_of_the_history_stays", abs(history(d)[-1]["volume"] / 0.002 - 1) < 0.1, history(d)[-1])
 
+# a diagonal through edges of elements that have come apart a little: needles along the edges are merged with what they hang at
+DIAGONAL = """lithe: 1
+bodies:
+  - shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}
+    material: {young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: CELLS, degree: DEGREE}
+gravity: [0, -9.81, 0]
+colliders: [{plane: {point: [0, 0, 0], normal: [0, 1, 0]}}]
+contact: {friction: 0.2}
+cuts:
+  - {at: 0.1, plane: {point: [0.5, 0, 0.5], normal: [1, 0, 1]}}
+time: {kind: dynamic, duration: 0.3, step: 0.01}
+output: {every: 0.01, fields: []}
+"""
+with folder() as d:
+    for cells, degree in ((2, 1), (4, 1), (2, 2)):
+        got, result = solve(d, DIAGONAL.replace("CELLS", str(cells)).replace("DEGREE", str(degree)))
+        note, total = result["topology"][0], [row["strain_energy"] + row["kinetic_energy"] - row["work"] for row in history(d)]
+        expect("needles_of_a_diagonal_cut_are_merged", note["merged"] > 0 and abs(note["volume"] - 1) < 1e-13, note)
+        expect("and_energy_only_falls", all(b < a + 1e-3 * result["energy"]["work"] for a, b in zip(total, total[1:])), total)
+
 # few elements, nu near 1/2: jumps that were there are weighed by stiffer penalties after the cut, which the result tells
 JUMPS = """lithe: 1
 bodies:
