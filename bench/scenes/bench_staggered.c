@@ -1,7 +1,7 @@
 /// The staggered multigrid: an annulus in the plane and a ball (or a surface from a file) in space, held inside (at
 /// the bottom), under gravity. Phases in seconds (on one thread of the processor), unknowns a second from the shape to a true residual of 1e-8, bytes an
 /// unknown (fractions, discretisation, solver, right-hand side and solution), full multigrid in applications of the
-/// operator, and the operator against two memory bounds, both at the speed of STREAM's triad (24 bytes an entry) on as many
+/// operator - its time over that of one, and its work, counted as it goes (0 in the mixed form) - and the operator against two memory bounds, both at the speed of STREAM's triad (24 bytes an entry) on as many
 /// threads in the same run: "memory", 16 bytes a free unknown (each value of x read once, each of y written once, no
 /// coefficients), and "moved", the bytes that it cannot but move as things are stored: also places of x and y that are
 /// not free, samples of cells and edges where rows differ, and states near boundaries (0 in the mixed form).

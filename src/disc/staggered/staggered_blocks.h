@@ -44,7 +44,9 @@ ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
   const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
   const float *c = L->constant + 3 * (LitheCount)block, *s = L->sample;
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
-  B->plain = L->plain[block];
+  B->own = find_near_f(L, block);
+  B->kind[0] = L->alive[block] & ~L->plain[block];
+  B->kind[1] = L->plain[block];
   B->same = constant_f(c[0], c[1], uniform ? c[2] : 0, ratio);
   B->samples.lambda = s;
   B->samples.mu = s + SIDE;
@@ -61,15 +63,23 @@ ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
   if (uniform) begin_planes_f(B);
 }
 
-/// f = A x in row q of vectors, in a general block.
-ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, LitheIndex q,
-                     Lane_f f[DIM]) {
-  row_f(B, L->local[q], 0, f);
+/// f = A x in a row of a general block, in vectors row q.
+ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, const bool plain,
+                     int row, LitheIndex q, Lane_f f[DIM]) {
+  row_f(B, plain, row, 0, f);
   if (!L->inertia) return;
-  const float *m = L->inertia + (L->number[block] + q - L->first[block]) * (LitheCount)WIDTH;
+  const float *m = L->inertia + (L->number[block] + q - B->own.first) * (LitheCount)WIDTH;
   UNROLL
   for (int a = 0; a < DIM; a++) f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + a * SIDE);
 }
+
+// Rows of general blocks come kind by kind, so that processors guess right what comes next. What is fetched ahead goes by their count.
+#define EACH_KIND(plain)                                                                           \
+  UNROLL                                                                                           \
+  for (int plain = 0; plain < 2; plain++)
+#define EACH_ROW(rows, row)                                                                        \
+  for (uint64_t left_ = (rows), row = 0; left_ && (row = (uint64_t)__builtin_ctzll(left_), true);  \
+       left_ &= left_ - 1)
 
 /// With row q of a block, fetch what is wanted soon.
 ALWAYS void fast_fetch(const LthFastLevel *L, const Block_f *B, LitheIndex q, int row) {
@@ -131,7 +141,7 @@ ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, cons
 /// A step, row by row; returns b . y, in double precision.
 ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep by, const bool fresh,
                           const bool uniform) {
-  const LitheIndex first = L->first[block], behind = L->first[block + 1];
+  const LitheIndex first = L->first[block];
   Block_f B;
   Lane_f f[DIM];
   Step step = {.by = by};
@@ -139,10 +149,12 @@ ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep b
   UNROLL
   for (int a = 0; a < DIM; a++)
     step.same[a] = uniform ? by.length * inverse_diagonal(L, block, a) : 0;
-  for (LitheIndex q = first; !uniform && q < behind; q++) {
-    fast_fetch(L, &B, q, L->local[q]);
+  int n = 0;
+  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
+    const LitheIndex q = number_f(B.own, (int)row);
+    fast_fetch(L, &B, q, n++);
     fetch_row_f(inverse_of(L, block, q + SOON));
-    fast_row(L, block, &B, q, f);
+    fast_row(L, block, &B, plain, (int)row, q, f);
     smooth_row(L, &step, fresh, inverse_of(L, block, q), q, f);
   }
   for (int k = 0; uniform && k < DEEP; k++) {
@@ -199,15 +211,17 @@ ALWAYS void scale_row(const LthFastLevel *L, float same, const float *scale, Lit
 
 /// y = scale (b - A x), row by row.
 ALWAYS void residual_rows(const LthFastLevel *L, LitheIndex block, const bool uniform) {
-  const LitheIndex first = L->first[block], behind = L->first[block + 1];
+  const LitheIndex first = L->first[block];
   const bool varies = L->scaled[block] >= 0;
   const float same = L->same_scale[block];
   Block_f B;
   Lane_f f[DIM];
   fast_block(L, block, &B);
-  for (LitheIndex q = first; !uniform && q < behind; q++) {
-    fast_fetch(L, &B, q, L->local[q]);
-    fast_row(L, block, &B, q, f);
+  int n = 0;
+  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
+    const LitheIndex q = number_f(B.own, (int)row);
+    fast_fetch(L, &B, q, n++);
+    fast_row(L, block, &B, plain, (int)row, q, f);
     scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, f);
   }
   for (int k = 0; uniform && k < DEEP; k++) {
@@ -245,7 +259,9 @@ ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, d
   const LitheIndex *near = L->grid->neighbor + (LitheCount)block * N_NEAR;
   const LitheCount at = lth_fast_constant(L, block);
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
-  B->plain = L->plain[block];
+  B->own = find_near_d(L, block);
+  B->kind[0] = L->alive[block] & ~L->plain[block];
+  B->kind[1] = L->plain[block];
   B->same = constant_d(stiff * l->lambda[at], stiff * l->mu[at],
                        uniform ? inert * l->mass[0][at] : 0, L->ratio);
   B->samples.lambda = l->lambda;
@@ -274,13 +290,10 @@ ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[8], bool held) {
   return (Lane_d)((Bits)v & -(lowest >> 63));
 }
 
-/// f += m M p, and zero where an unknown does not count (all do in plain rows), in row q of a general block.
-ALWAYS void finish_row(const LthFastLevel *L, LitheIndex block, LitheIndex q, int i, double inert,
-                       bool held, bool plain, const double *p, Lane_d f[DIM]) {
+/// f += m M p, and zero where an unknown does not count (all do in plain rows), in a row of slots of a general block.
+ALWAYS void finish_row(const LthFastLevel *L, LitheCount row, int i, double inert, bool held,
+                       const bool plain, const double *p, Lane_d f[DIM]) {
   const LthStaggeredLevel *l = L->level;
-  const LitheCount row = block * (LitheCount)BLOCK_ROWS + L->local[q];
-  UNROLL
-  for (int a = 0; a < DIM; a++) __builtin_prefetch(l->state[a] + row * SIDE + CELLS, 0, 2);
   if (plain && inert == 0) return;
   UNROLL
   for (int a = 0; a < DIM; a++) {
@@ -312,18 +325,20 @@ ALWAYS Lane_d exact_store(const double *p, const Lane_d f[DIM], double *q) {
 /// q = A p in a block, row by row; returns p . q.
 ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
                          bool held, const bool uniform, const double *values, double *result) {
-  const LitheIndex first = L->first[block], behind = L->first[block + 1];
+  const LitheIndex first = L->first[block];
   Block_d B;
   Lane_d product = {0}, f[DIM];
   exact_block(L, block, stiff, inert, values, &B);
-  for (LitheIndex q = first; !uniform && q < behind; q++) {
+  int n = 0;
+  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
+    const LitheIndex q = number_d(B.own, (int)row);
     const double *p = values + q * (LitheCount)WIDTH;
     double *to = result + q * (LitheCount)WIDTH;
-    exact_fetch(&B, p, to, L->local[q]);
+    exact_fetch(&B, p, to, n++);
     UNROLL
     for (int i = 0; i < SIDE; i += 8) {
-      row_d(&B, L->local[q], i, f);
-      finish_row(L, block, q, i, inert, held, B.plain >> L->local[q] & 1, p, f);
+      row_d(&B, plain, (int)row, i, f);
+      finish_row(L, block * (LitheCount)BLOCK_ROWS + (int)row, i, inert, held, plain, p, f);
       product += exact_store(p + i, f, to + i);
     }
   }

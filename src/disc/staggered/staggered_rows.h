@@ -35,6 +35,9 @@ typedef REAL N(Lane)
 ALWAYS N(Lane) N(load)(const REAL *p) { return *(const N(Lane) *)p; }
 ALWAYS void N(store)(REAL *p, N(Lane) v) { *(N(Lane) *)p = v; }
 
+/// The value in all places.
+ALWAYS N(Lane) N(same)(REAL value) { return value - (N(Lane)){0}; }
+
 /// Values one place further up: those of v but its first, then the first of `next`; and one place further down.
 ALWAYS N(Lane) N(shift_up)(N(Lane) v, N(Lane) next) {
 #if LANES == 8
@@ -280,12 +283,13 @@ ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
 }
 
 /// What is fetched while a block is computed: rows that the next one reads of those that follow it along y and z, whom nobody has
-/// touched before; of a general one samples there; and numbers of samples of a later one and of those that follow it.
+/// touched before; of a general one its states, and samples there; and numbers of samples of a later one and of those that follow it.
 typedef struct N(Ahead) {
   const REAL *values;
   LitheCount stride;
   N(Near) near[2];
   const LitheIndex *samples[2], *numbers[3]; ///< NULL: none
+  const uint8_t *state[DIM];                 ///< in double precision; NULL: none
 } N(Ahead);
 
 ALWAYS void N(look_ahead)(const LthFastLevel *L, LitheIndex block, const REAL *values,
@@ -301,6 +305,8 @@ ALWAYS void N(look_ahead)(const LthFastLevel *L, LitheIndex block, const REAL *v
   UNROLL
   for (int i = 0; i < DIM; i++) {
     const int to = i == 0 ? 0 : i == 1 ? 3 : 9;
+    A->state[i] =
+        general && sizeof(REAL) == 8 ? L->level->state[i] + next * (LitheCount)CELLS : NULL;
     A->numbers[i] = later[to] < 0 ? NULL : row + later[to] * (LitheCount)BLOCK_ROWS;
     if (i == 0) continue;
     A->near[i - 1] = N(find_near)(L, near[to]);
@@ -319,6 +325,8 @@ ALWAYS void N(fetch_ahead)(const N(Ahead) * A, const N(Samples) * c, int row) {
     const LitheIndex *numbers = A->numbers[row / 4 / LINES];
     if (numbers) __builtin_prefetch(numbers + row / 4 % LINES * LINE, 0, 2);
   }
+  if (row % 2 && A->state[0] && row / 2 < DIM * CELLS / 64)
+    __builtin_prefetch(A->state[row / 2 % DIM] + row / 2 / DIM * 64, 0, 2);
   if (row % EVERY) return;
   const int n = row / EVERY, plane = n >= SIDE, at = DIM == 2 ? 0 : plane ? n - SIDE : n * SIDE;
   N(fetch_row)(A->values + N(number)(A->near[plane], at) * A->stride);
@@ -383,7 +391,8 @@ typedef struct N(Block) {
   N(Constant) same; ///< in plain rows
   N(Samples) samples;
   N(Ahead) ahead;
-  uint64_t plain;
+  N(Near) own;
+  uint64_t kind[2]; ///< rows that are alive: those that are not plain, and those that are
   N(Lane) under[SIDE][SIDE / LANES]; ///< divergences of a plane
 } N(Block);
 
@@ -401,9 +410,9 @@ ALWAYS void N(next_row)(N(Block) * B, N(Slide) s[SIDE / LANES], int j, int k, in
 }
 
 /// f = K u (in plain rows with the inertia of `same`) in a row of a block that has others, too.
-ALWAYS void N(row)(const N(Block) * B, int row, int i, N(Lane) f[DIM]) {
+ALWAYS void N(row)(const N(Block) * B, const bool plain, int row, int i, N(Lane) f[DIM]) {
   const int j = row & (SIDE - 1), k = row / SIDE;
-  if (B->plain >> row & 1)
+  if (plain)
     N(lone_row)(&B->rows, &B->same, ROW(j, k), i, f);
   else
     N(general_row)(&B->rows, &B->samples, j, k, i, f);

@@ -12,6 +12,7 @@
 #define PADDED (PAD_X * (SIDE + 2) * PAD_Z)
 #define HALF (SIDE / 2)
 #define DEEP_HALF (DIM == 3 ? DEEP / 2 : 1)
+#define CHILDREN (1 << DIM)
 
 /// Copy component a of a block with its margin.
 ALWAYS void pad(const Rows_f *rows, int a, float *padded) {
@@ -55,15 +56,21 @@ static void child_of(const LthSparseGrid *coarse, LitheIndex block, int child, L
   }
 }
 
-/// Fetch values of the same part of the next coarse block.
-ALWAYS void fetch_child(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
-                        int child, LthFastVector v) {
-  LitheIndex place[3];
-  int offset[3];
-  child_of(coarse->grid, block_later(coarse->grid, block, 1), child, place, offset);
-  const LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
-  if (to < 0) return;
-  for (LitheIndex q = fine->first[to]; q < fine->first[to + 1]; q++) fetch_row_f(row_of(v, q));
+/// Fine blocks below the parts of a coarse block, -1 where there is none.
+static void find_children(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
+                          LitheIndex to[CHILDREN]) {
+  for (int child = 0; child < CHILDREN; child++) {
+    LitheIndex place[3];
+    int offset[3];
+    child_of(coarse->grid, block, child, place, offset);
+    to[child] = block_at_place(fine->grid, place[0], place[1], place[2]);
+  }
+}
+
+/// Fetch the n-th row of a fine block.
+ALWAYS void fetch_nth(const LthFastLevel *fine, LitheIndex block, LitheIndex n, LthFastVector v) {
+  if (block >= 0 && n < fine->first[block + 1] - fine->first[block])
+    fetch_row_f(row_of(v, fine->first[block] + n));
 }
 
 /// Weighted pair of rows: fine row j from coarse rows around it, along (`own`) or across the component.
@@ -123,20 +130,21 @@ ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restr
 #endif
 }
 
-/// x of the rows of a fine block += (or =) scale times values of component a.
-ALWAYS void take_rows(const LthFastLevel *L, LitheIndex block, int a, bool add, const float *out) {
+/// x of the rows of a fine block += (or =) scale times values; those of a later one are fetched.
+ALWAYS void take_rows(const LthFastLevel *L, LitheIndex block, LitheIndex later, bool add,
+                      float out[DIM][CELLS]) {
+  const LitheIndex first = L->first[block], behind = L->first[block + 1];
   const bool varies = L->scaled[block] >= 0;
   const float same = L->same_scale[block];
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
-    float *x = row_of(L->x, q) + a * SIDE;
-    const float *from = out + L->local[q] * SIDE;
-    const float *scale = varies ? scale_of(L, block, q) + a * SIDE : NULL;
-    for (int i = 0; i < SIDE; i += LANES_F) {
-      const Lane_f v = varies ? load_f(from + i) * load_f(scale + i) : load_f(from + i) * same;
-      if (add)
-        store_f(x + i, load_f(x + i) + v);
-      else
-        store_f(x + i, v);
+  for (LitheIndex q = first; q < behind; q++) {
+    float *x = row_of(L->x, q);
+    const float *from = out[0] + L->local[q] * SIDE, *scale = varies ? scale_of(L, block, q) : NULL;
+    fetch_nth(L, later, q - first, L->x);
+    UNROLL
+    for (int a = 0; a < DIM; a++) {
+      Lane_f v = load_f(from + a * CELLS) * (varies ? load_f(scale + a * SIDE) : same_f(same));
+      if (add) v += load_f(x + a * SIDE);
+      store_f(x + a * SIDE, v);
     }
   }
 }
@@ -144,7 +152,7 @@ ALWAYS void take_rows(const LthFastLevel *L, LitheIndex block, int a, bool add, 
 LTH_CLONES
 static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
                          bool add) {
-  _Alignas(64) float c[DIM][PADDED], out[CELLS];
+  _Alignas(64) float c[DIM][PADDED], out[DIM][CELLS];
   const LitheIndex *near = coarse->grid->neighbor + (LitheCount)block * N_NEAR;
   Rows_f rows;
   find_rows_f(coarse, near, coarse->x.at, coarse->x.stride, true, &rows);
@@ -157,17 +165,17 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
       for (int i = 0; i < PADDED; i++) c[a][i] *= pull[i];
     }
   }
-  for (int child = 0; child < 1 << DIM; child++) {
+  LitheIndex to[CHILDREN], later[CHILDREN];
+  find_children(fine, coarse, block, to);
+  find_children(fine, coarse, block_later(coarse->grid, block, 1), later);
+  for (int child = 0; child < CHILDREN; child++) {
     LitheIndex place[3];
     int offset[3];
+    if (to[child] < 0 || fine->kind[to[child]] == LTH_BLOCK_EMPTY) continue;
     child_of(coarse->grid, block, child, place, offset);
-    LitheIndex to = block_at_place(fine->grid, place[0], place[1], place[2]);
-    if (add) fetch_child(fine, coarse, block, child, fine->x);
-    if (to < 0 || fine->kind[to] == LTH_BLOCK_EMPTY) continue;
-    for (int a = 0; a < DIM; a++) {
-      interpolate(c[a], a, offset, out);
-      take_rows(fine, to, a, add, out);
-    }
+    UNROLL
+    for (int a = 0; a < DIM; a++) interpolate(c[a], a, offset, out[a]);
+    take_rows(fine, to[child], later[child], add, out);
   }
 }
 
@@ -216,12 +224,16 @@ ALWAYS void collect(const Rows_f *rows, int a, float *restrict out) {
 LTH_CLONES
 static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
   _Alignas(64) float sum[BLOCK];
+  LitheIndex later[CHILDREN];
   memset(sum, 0, sizeof sum);
-  for (int child = 0; child < 1 << DIM; child++) {
+  find_children(fine, coarse, block_later(coarse->grid, block, 1), later);
+  for (int child = 0; child < CHILDREN; child++) {
     LitheIndex place[3], near[N_NEAR];
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
-    fetch_child(fine, coarse, block, child, fine->y);
+    const LitheIndex l = later[child], behind = l < 0 ? 0 : fine->first[l + 1];
+    for (LitheIndex q = l < 0 ? 0 : fine->first[l]; q < behind; q++)
+      fetch_row_f(row_of(fine->y, q));
     if (!find_near_place(fine->grid, place, near)) continue;
     int first = ((DIM == 3 ? offset[2] : 0) * SIDE + offset[1]) * SIDE + offset[0];
     Rows_f rows;
