@@ -187,6 +187,9 @@ bool lth_contact_drop_pulls(LthContact *contact);
 /// Whether the last solve had forces of this contact in it: the points that are active after it may be others.
 bool lth_contact_acted(const LthContact *contact);
 
+/// Energy that springs begin the present step with [J]; 0 at colliders.
+double lth_contact_start_energy(const LthContact *contact);
+
 /// Energy in springs after the last solve, and what they have lost so far and may press others with [J]. Between bodies, and between parts, neither the
 /// first nor the sum of both rises but by work of the bodies.
 void lth_contact_energy(const LthContact *contact, double *stored, double *spare);

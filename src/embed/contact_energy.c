@@ -113,6 +113,15 @@ bool lth_contact_drop_pulls(LthContact *c) {
   return c->n_active < c->n_acted;
 }
 
+double lth_contact_start_energy(const LthContact *c) {
+  double energy = 0;
+  for (LitheIndex i = 0; i < c->n_touch; i++) {
+    const LthTouch *touch = &c->touch[i];
+    if (touch->pressed > 0) energy += 0.5 * touch->stiffness * touch->pressed * touch->pressed;
+  }
+  return energy;
+}
+
 void lth_contact_energy(const LthContact *c, double *stored, double *spare) {
   *stored = 0;
   for (LitheIndex i = 0; i < c->n_touch; i++) *stored += c->touch[i].stored + c->touch[i].drawn;
