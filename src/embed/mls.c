@@ -133,20 +133,25 @@ void lth_mls_scratch_free(LitheCtx *ctx, LthMlsScratch *s) {
   lth_free(ctx, s->way);
   lth_free(ctx, s->way_limit);
   lth_free(ctx, s->way_sample);
+  lth_free(ctx, s->sight.outline);
 }
 
 /// A Gaussian less its tangent in d^2 at d = 1, so that value and slope vanish there: cut off with a slope, it would
 /// leave a kink in the surface wherever a sample's reach ends.
 static double weight(double d) { return exp(-4.5 * d * d) - THETA_END * (1 + 4.5 * (1 - d * d)); }
 
-/// Begin with a point: nothing is known of ways from it.
-static void begin_ways(const LthMls *mls, LthMlsScratch *s, const double x[3], LitheIndex cell) {
-  if (!mls->cell_front) return;
+/// Begin with a point: nothing is known of ways from it but what they may lead around.
+static LitheStatus begin_ways(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, const double x[3],
+                              LitheIndex cell) {
+  if (!mls->cell_front) return LITHE_OK;
   while (s->n_ways > 0) s->way[s->way_sample[--s->n_ways]] = -1;
   s->front = mls->cell_front[cell];
   s->hiders.n = 0;
   lth_v3_copy(x, s->inside);
   move_inside(s->inside, mls->mesh->cell_centroid + 3 * (size_t)cell);
+  double reach = MOST_GROWN * mls->largest_radius;
+  if (lth_visibility_has_few(&mls->sight) || s->front >= reach) return LITHE_OK;
+  return lth_visibility_look(ctx, &mls->sight, s->inside, reach, &s->sight);
 }
 
 /// Distance of a sample from x, `straight` or around the ends of cuts; what is beyond `reach` may have any beyond it. Ways are
@@ -162,9 +167,10 @@ static double find_way(const LthMls *mls, LthMlsScratch *s, LitheIndex i, double
     s->way_limit[i] = 0;
   }
   if (s->way[i] < INFINITY || s->front >= reach || s->way_limit[i] >= reach) return s->way[i];
-  s->way_limit[i] =
-      lth_visibility_needs_limit(sight) ? MOST_GROWN * mls->samples->radius[i] : reach;
-  s->way[i] = fmax(straight, lth_visibility_way(sight, &s->hiders, s->inside, to, s->way_limit[i]));
+  bool is_few = lth_visibility_has_few(sight);
+  s->way_limit[i] = is_few ? MOST_GROWN * mls->samples->radius[i] : reach;
+  s->way[i] = fmax(straight, lth_visibility_way(sight, &s->hiders, is_few ? NULL : &s->sight,
+                                                s->inside, to, s->way_limit[i]));
   return s->way[i];
 }
 
@@ -304,7 +310,7 @@ LitheStatus lth_mls_weights(LitheCtx *ctx, const LthMls *mls, LthMlsScratch *s, 
                             LitheIndex cell, LthWeightRow *row) {
   Fit f;
   row->n = 0;
-  begin_ways(mls, s, x, cell);
+  LITHE_TRY(begin_ways(ctx, mls, s, x, cell));
   row->is_plain = find_fit(mls, s, x, cell, &f);
   if (!(f.condition < INFINITY) || !(f.leverage < LEVERAGE_MAX)) return LITHE_OK;
   for (LitheIndex i = 0; i < f.n; i++) LITHE_TRY(lth_row_add(ctx, row, s->candidate[i], 0));

@@ -43,6 +43,33 @@ static bool is_way_edge(const LthMesh *m, const LthCutEdge *edge, LitheCount n, 
   return *is_front || (n == 4 && !is_narrow && least < sqrt(1 - TURN * TURN));
 }
 
+/// Turn about the edge from a face into the body: 1 or -1.
+static double turn_of(const LthMesh *m, const LthWayEdge *e, LitheIndex face) {
+  double into[3], c[3];
+  lth_v3_sub(m->face_centroid + 3 * (size_t)face, e->end[0], into);
+  lth_v3_cross(m->face_normal + 3 * (size_t)face, into, c);
+  return lth_v3_dot(c, e->along) < 0 ? -1 : 1;
+}
+
+/// The planes of the two faces at the edge that one side of the cut has, away from what they bound.
+static void find_planes(const LthMesh *m, const LthCutEdge *edge, LitheCount n, LthWayEdge *e) {
+  const double *first = m->face_normal + 3 * (size_t)edge[0].face;
+  LitheCount other = 1;
+  double least = 2;
+  for (LitheCount i = 1; i < n; i++) {
+    const double *normal = m->face_normal + 3 * (size_t)edge[i].face;
+    double along = fabs(lth_v3_dot(first, normal));
+    bool is_same_side = turn_of(m, e, edge[i].face) != turn_of(m, e, edge[0].face);
+    if (n > 2 && (!is_same_side || along >= least)) continue;
+    least = along;
+    other = i;
+  }
+  for (int k = 0; k < 3; k++) {
+    e->normal[0][k] = -first[k];
+    e->normal[1][k] = -m->face_normal[3 * (size_t)edge[other].face + (size_t)k];
+  }
+}
+
 static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *edge, LitheCount n,
                             LthVisibility *v) {
   double middle[3], d[3] = {0, 0, 0};
@@ -52,6 +79,7 @@ static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *e
   lth_v3_copy(m->points + 3 * (size_t)edge->high, e->end[1]);
   lth_v3_sub(e->end[1], e->end[0], e->along);
   e->length = lth_v3_normalize(e->along);
+  find_planes(m, edge, n, e);
   for (LitheCount i = 0; i < n; i++) {
     lth_v3_sub(e->end[0], m->face_centroid + 3 * (size_t)edge[i].face, middle);
     lth_v3_axpy(-lth_v3_dot(middle, e->along), e->along, middle);
@@ -136,6 +164,15 @@ done:
 
 // ------------------------------------------------------------------ faces
 
+static LthHidingTriangle make_triangle(const double *points, const LitheIndex corner[3]) {
+  LthHidingTriangle t;
+  lth_v3_copy(points + 3 * (size_t)corner[0], t.corner);
+  for (int i = 0; i < 2; i++) lth_v3_sub(points + 3 * (size_t)corner[i + 1], t.corner, t.side[i]);
+  lth_v3_cross(t.side[0], t.side[1], t.normal);
+  t.normal2 = lth_v3_dot(t.normal, t.normal);
+  return t;
+}
+
 static LitheStatus add_triangles(LitheCtx *ctx, const LthMesh *m, LitheIndex face,
                                  LthPolygonList *list, LthPolygonWork *work, LthVisibility *v) {
   LthFaceView view = lth_mesh_face(m, face);
@@ -149,10 +186,9 @@ static LitheStatus add_triangles(LitheCtx *ctx, const LthMesh *m, LitheIndex fac
     if (n < 3) continue;
     LITHE_TRY_OR(done,
                  lth_polygon_triangulate(ctx, work, view.points, n, list->items + at + 1, corner));
-    LTH_RESERVE_OR(done, ctx, v->tri, v->cap_tri, 9 * ((LitheCount)v->n_tris + n));
-    for (LitheIndex k = 0; k < 3 * (n - 2); k++)
-      lth_v3_copy(view.points + 3 * (size_t)corner[k], v->tri + 9 * (size_t)v->n_tris + 3 * k);
-    v->n_tris += n - 2;
+    LTH_RESERVE_OR(done, ctx, v->tri, v->cap_tri, (LitheCount)v->n_tris + n);
+    for (LitheIndex k = 0; k < n - 2; k++)
+      v->tri[v->n_tris++] = make_triangle(view.points, corner + 3 * k);
   }
 done:
   lth_free(ctx, corner);
@@ -169,9 +205,9 @@ static LitheStatus make_tree(LitheCtx *ctx, const LthMesh *m, LthVisibility *v) 
   LTH_NEW_OR(done, ctx, box, 6 * (LitheCount)v->n_tris);
   for (LitheIndex i = 0; i < v->n_tris; i++)
     for (int a = 0; a < 3; a++) {
-      const double *x = v->tri + 9 * (size_t)i + a;
-      box[6 * (size_t)i + a] = fmin(x[0], fmin(x[3], x[6]));
-      box[6 * (size_t)i + 3 + a] = fmax(x[0], fmax(x[3], x[6]));
+      const LthHidingTriangle *t = v->tri + i;
+      box[6 * (size_t)i + a] = t->corner[a] + fmin(0, fmin(t->side[0][a], t->side[1][a]));
+      box[6 * (size_t)i + 3 + a] = t->corner[a] + fmax(0, fmax(t->side[0][a], t->side[1][a]));
     }
   status = lth_bvh_create_boxes(ctx, v->n_tris, box, &v->bvh);
 done:
@@ -240,22 +276,19 @@ double lth_visibility_front(const LthVisibility *v, const double box[6]) {
 // ------------------------------------------------------------------ ways
 
 /// Does the segment pass the triangle, edges included? Ends in its plane do not.
-static bool passes(const double tri[9], const double a[3], const double b[3]) {
-  double e[3], f[3], n[3], d[3], x[3], c[3];
-  lth_v3_sub(tri + 3, tri, e);
-  lth_v3_sub(tri + 6, tri, f);
-  lth_v3_cross(e, f, n);
-  lth_v3_sub(a, tri, d);
-  double ha = lth_v3_dot(n, d);
-  lth_v3_sub(b, tri, c);
-  double hb = lth_v3_dot(n, c), nn = lth_v3_dot(n, n);
-  if (!((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) || !(nn > 0)) return false;
+static bool passes(const LthHidingTriangle *t, const double a[3], const double b[3]) {
+  double d[3], x[3], c[3];
+  lth_v3_sub(a, t->corner, d);
+  double ha = lth_v3_dot(t->normal, d);
+  lth_v3_sub(b, t->corner, c);
+  double hb = lth_v3_dot(t->normal, c);
+  if (!((ha > 0 && hb < 0) || (ha < 0 && hb > 0)) || !(t->normal2 > 0)) return false;
   double s = ha / (ha - hb);
   for (int i = 0; i < 3; i++) x[i] = d[i] + s * (c[i] - d[i]);
-  lth_v3_cross(x, f, c);
-  double u = lth_v3_dot(c, n) / nn;
-  lth_v3_cross(e, x, c);
-  double w = lth_v3_dot(c, n) / nn;
+  lth_v3_cross(x, t->side[1], c);
+  double u = lth_v3_dot(c, t->normal) / t->normal2;
+  lth_v3_cross(t->side[0], x, c);
+  double w = lth_v3_dot(c, t->normal) / t->normal2;
   return u >= -ON_EDGE && w >= -ON_EDGE && u + w <= 1 + ON_EDGE;
 }
 
@@ -287,7 +320,7 @@ static void note_hider(LthHiders *hiders, int k, LitheIndex tri) {
 static bool is_hidden_again(const LthVisibility *v, LthHiders *hiders, const double a[3],
                             const double b[3]) {
   for (int k = 0; k < hiders->n; k++) {
-    if (!passes(v->tri + 9 * (size_t)hiders->tri[k], a, b)) continue;
+    if (!passes(v->tri + hiders->tri[k], a, b)) continue;
     note_hider(hiders, k, hiders->tri[k]);
     return true;
   }
@@ -313,7 +346,7 @@ bool lth_visibility_is_hidden(const LthVisibility *v, LthHiders *hiders, const d
       continue;
     }
     for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
-      if (!passes(v->tri + 9 * (size_t)tree->item[i], a, b)) continue;
+      if (!passes(v->tri + tree->item[i], a, b)) continue;
       if (hiders) note_hider(hiders, hiders->n, tree->item[i]);
       return true;
     }
@@ -354,67 +387,47 @@ static int insert_passage(Passage list[WAYS], int n, const Passage *p) {
   return n;
 }
 
-/// A way through a box is no shorter than from both ends to it.
-static double least_length(const double box[6], const double a[3], const double b[3]) {
-  double p = 0, q = 0;
-  for (int i = 0; i < 3; i++) {
-    double da = a[i] < box[i] ? box[i] - a[i] : a[i] > box[3 + i] ? a[i] - box[3 + i] : 0;
-    double db = b[i] < box[i] ? box[i] - b[i] : b[i] > box[3 + i] ? b[i] - box[3 + i] : 0;
-    p += da * da;
-    q += db * db;
-  }
-  return sqrt(p) + sqrt(q);
+/// Enter the way over an edge if it is one of the shortest and below `limit`.
+static int add_passage(const LthVisibility *v, LitheIndex edge, const double a[3],
+                       const double b[3], double limit, Passage list[WAYS], int n) {
+  Passage p = {.edge = edge};
+  p.length = find_passage(v->edges + edge, a, b, p.at);
+  return p.length < limit && (n < WAYS || is_before(&p, list + WAYS - 1))
+             ? insert_passage(list, n, &p)
+             : n;
 }
 
-/// Enter the ways over the edges of a leaf.
-static int list_leaf(const LthVisibility *v, LitheIndex node, const double a[3], const double b[3],
-                     double limit, Passage list[WAYS], int n) {
-  const LthBvh *tree = v->edge_bvh;
-  for (LitheIndex i = tree->first[node]; i < tree->first[node] + tree->count[node]; i++) {
-    Passage p = {.edge = tree->item[i]};
-    p.length = find_passage(v->edges + p.edge, a, b, p.at);
-    if (p.length < limit && (n < WAYS || is_before(&p, list + WAYS - 1)))
-      n = insert_passage(list, n, &p);
-  }
-  return n;
+/// Over which of the two faces at an edge a place is, but not over the other: 1, 2; 3: so close to a plane that it may be
+/// either; 0: over both or none.
+static int side_of(const LthWayEdge *e, const double x[3]) {
+  double d[3];
+  lth_v3_sub(x, e->end[0], d);
+  double h0 = lth_v3_dot(d, e->normal[0]), h1 = lth_v3_dot(d, e->normal[1]),
+         near = ON_EDGE * e->length;
+  return (h0 >= -near && h1 <= near) + 2 * (h0 <= near && h1 >= -near);
 }
 
-/// The shortest of the ways over one edge that are shorter than `limit`, whether they are hidden or not, in order. The nearer
-/// half of the tree first, so that little of the other is looked at.
-static int list_passages(const LthVisibility *v, const double a[3], const double b[3], double limit,
-                         Passage list[WAYS]) {
-  const LthBvh *tree = v->edge_bvh;
-  LitheIndex waiting[STACK], n_waiting = 0;
-  double least[STACK];
+/// The shortest of the ways over one edge that are shorter than `limit`, whether they are hidden or not, in order: over those
+/// edges that are outlines from a and, the other way round, from b; `sight` NULL: over all.
+static int list_passages(const LthVisibility *v, const LthSight *sight, const double a[3],
+                         const double b[3], double limit, Passage list[WAYS]) {
   int n = 0;
-  if (tree->n_nodes > 0) least[0] = least_length(tree->box, a, b), waiting[n_waiting++] = 0;
-  while (n_waiting > 0) {
-    const LitheIndex node = waiting[--n_waiting];
-    const double most = n < WAYS ? limit : list[WAYS - 1].length;
-    if (least[n_waiting] > most) continue;
-    if (tree->right[node] < 0) {
-      n = list_leaf(v, node, a, b, limit, list, n);
-      continue;
-    }
-    LitheIndex half[2] = {tree->right[node], node + 1};
-    double at[2];
-    LITHE_ASSERT(n_waiting + 2 <= STACK);
-    for (int k = 0; k < 2; k++) at[k] = least_length(tree->box + 6 * (size_t)half[k], a, b);
-    for (int k = 0; k < 2; k++) {
-      int next = at[0] < at[1] ? 1 - k : k; // the nearer one is taken next
-      if (at[next] > most) continue;
-      least[n_waiting] = at[next];
-      waiting[n_waiting++] = half[next];
-    }
+  for (LitheIndex i = 0; !sight && i < v->n_edges; i++) n = add_passage(v, i, a, b, limit, list, n);
+  for (LitheIndex i = 0; sight && i < sight->n; i++) {
+    const LthOutline *o = sight->outline + i;
+    if (o->distance >= (n < WAYS ? limit : list[WAYS - 1].length)) break;
+    int side = side_of(v->edges + o->edge, b);
+    if ((o->side & 1 && side & 2) || (o->side & 2 && side & 1))
+      n = add_passage(v, o->edge, a, b, limit, list, n);
   }
   return n;
 }
 
 /// The shortest way over one edge.
-static double find_way(const LthVisibility *v, LthHiders *hiders, const double a[3],
-                       const double b[3], double limit) {
+static double find_way(const LthVisibility *v, LthHiders *hiders, const LthSight *sight,
+                       const double a[3], const double b[3], double limit) {
   Passage list[WAYS];
-  int n = list_passages(v, a, b, limit, list);
+  int n = list_passages(v, sight, a, b, limit, list);
   for (int i = 0; i < n; i++)
     if (!lth_visibility_is_hidden(v, hiders, a, list[i].at) &&
         !lth_visibility_is_hidden(v, NULL, list[i].at, b))
@@ -427,19 +440,70 @@ static double find_long_way(const LthVisibility *v, LthHiders *hiders, const dou
                             const double b[3], double limit) {
   Passage list[WAYS];
   double best = limit;
-  int n = list_passages(v, a, b, limit, list);
+  int n = list_passages(v, NULL, a, b, limit, list);
   for (int i = 0; i < n && i < LONG_WAYS; i++) {
     if (lth_visibility_is_hidden(v, hiders, a, list[i].at)) continue;
     double first = lth_v3_distance(a, list[i].at);
-    double second = find_way(v, NULL, list[i].at, b, best - first);
+    double second = find_way(v, NULL, NULL, list[i].at, b, best - first);
     if (first + second < best) best = first + second;
   }
   return best < limit ? best : INFINITY;
 }
 
-double lth_visibility_way(const LthVisibility *v, LthHiders *hiders, const double a[3],
-                          const double b[3], double limit) {
-  double way = find_way(v, hiders, a, b, limit);
-  return way < INFINITY || v->n_edges > LTH_WAY_FEW_EDGES ? way
-                                                          : find_long_way(v, hiders, a, b, limit);
+double lth_visibility_way(const LthVisibility *v, LthHiders *hiders, const LthSight *sight,
+                          const double a[3], const double b[3], double limit) {
+  bool is_few = lth_visibility_has_few(v);
+  double way = find_way(v, hiders, sight, a, b, limit);
+  return way < INFINITY || !is_few ? way : find_long_way(v, hiders, a, b, limit);
+}
+
+// ------------------------------------------------------------------ outlines
+
+/// Looking around from a place.
+typedef struct Look {
+  LitheCtx *ctx;
+  const LthVisibility *v;
+  const double *from;
+  double reach;
+  LthSight *sight;
+  LitheStatus status;
+} Look;
+
+static LitheStatus look_at(Look *k, LitheIndex edge) {
+  const LthWayEdge *e = k->v->edges + edge;
+  LthSight *sight = k->sight;
+  double d[3];
+  int side = side_of(e, k->from);
+  if (side == 0) return LITHE_OK;
+  lth_v3_sub(k->from, e->end[0], d);
+  lth_v3_axpy(-1, e->away, d);
+  double z = lth_v3_dot(d, e->along);
+  lth_v3_axpy(z < 0 ? 0 : z > e->length ? -e->length : -z, e->along, d);
+  double distance = lth_v3_norm(d);
+  if (distance >= k->reach) return LITHE_OK;
+  LTH_RESERVE(k->ctx, sight->outline, sight->cap, (LitheCount)sight->n + 1);
+  sight->outline[sight->n++] = (LthOutline){edge, side, distance};
+  return LITHE_OK;
+}
+
+static bool visit_edge(void *self, LitheIndex edge) {
+  Look *k = self;
+  k->status = look_at(k, edge);
+  return k->status == LITHE_OK;
+}
+
+static int compare_outlines(const void *a, const void *b) {
+  const LthOutline *p = a, *q = b;
+  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+  return (p->edge > q->edge) - (p->edge < q->edge);
+}
+
+LitheStatus lth_visibility_look(LitheCtx *ctx, const LthVisibility *v, const double from[3],
+                                double reach, LthSight *sight) {
+  Look k = {.ctx = ctx, .v = v, .from = from, .reach = reach, .sight = sight};
+  sight->n = 0;
+  lth_bvh_visit(v->edge_bvh, from, reach, visit_edge, &k);
+  if (sight->n > 0)
+    qsort(sight->outline, (size_t)sight->n, sizeof *sight->outline, compare_outlines);
+  return k.status;
 }

@@ -5,7 +5,7 @@
 #include "geometry/bvh.h"
 #include "mesh/mesh.h"
 
-/// With more edges ways over two of them are not looked for: too many to try.
+/// With more edges ways over two of them are not looked for, and over outlines alone: too many to try.
 #define LTH_WAY_FEW_EDGES 32
 
 /// An edge that ways lead around: the front of a cut, or a bend of it.
@@ -13,15 +13,22 @@ typedef struct LthWayEdge {
   double end[2][3];
   double along[3], length; ///< unit, from the first end; [m]
   double away[3];          ///< a little away from the cut faces at it
+  double normal[2][3];     ///< of two faces at it that bound one side, into the body
 } LthWayEdge;
+
+/// A triangle of a cut face.
+typedef struct LthHidingTriangle {
+  double corner[3], side[2][3]; ///< sides: from that corner
+  double normal[3], normal2;    ///< their product, and its square
+} LthHidingTriangle;
 
 /// Nothing of it exists where no cut ends inside: then elements that hang together see each other.
 typedef struct LthVisibility {
   LitheIndex n_tris, n_edges;
-  double *tri;       ///< corners of cut faces' triangles [m]             (n_tris x 9)
-  LthBvh *bvh;       ///< over them
-  LthWayEdge *edges; ///< those of fronts first
-  LthBvh *edge_bvh;  ///< over them
+  LthHidingTriangle *tri; ///< of all cut faces                           (n_tris)
+  LthBvh *bvh;            ///< over them
+  LthWayEdge *edges;      ///< those of fronts first
+  LthBvh *edge_bvh;       ///< over them
   LitheIndex n_fronts;
   LitheCount cap_tri, cap_edges;
 } LthVisibility;
@@ -46,13 +53,31 @@ typedef struct LthHiders {
 bool lth_visibility_is_hidden(const LthVisibility *visibility, LthHiders *hiders, const double a[3],
                               const double b[3]);
 
-/// Length of the way around the ends of cuts, at most two of them, from a to b that is hidden from it; INFINITY where there
-/// is none shorter than `limit`. `hiders` (may be NULL): seen from a.
-double lth_visibility_way(const LthVisibility *visibility, LthHiders *hiders, const double a[3],
-                          const double b[3], double limit);
+/// An edge that is an outline of what it bounds, as seen from a place: the shortest ways from there bend about such alone.
+typedef struct LthOutline {
+  LitheIndex edge;
+  int side;        ///< 1, 2: the face at the edge that the place is over; 3: either
+  double distance; ///< [m]
+} LthOutline;
 
-/// A way that is shorter than one limit is the same with any other. But with few edges ways over two are looked for where there
-/// is none over one, so there the limit counts.
-static inline bool lth_visibility_needs_limit(const LthVisibility *visibility) {
+/// The nearest first.
+typedef struct LthSight {
+  LitheIndex n;
+  LthOutline *outline;
+  LitheCount cap;
+} LthSight;
+
+/// Outlines within reach of a place, whether something hides them or not. The caller frees sight->outline.
+LitheStatus lth_visibility_look(LitheCtx *ctx, const LthVisibility *visibility,
+                                const double from[3], double reach, LthSight *sight);
+
+/// With few edges ways over two of them are looked for too.
+static inline bool lth_visibility_has_few(const LthVisibility *visibility) {
   return visibility->n_edges <= LTH_WAY_FEW_EDGES;
 }
+
+/// Length of the way around the ends of cuts, at most two of them, from a to b that is hidden from it; INFINITY where there
+/// is none shorter than `limit`. With few edges the result depends on the limit where it is more than that.
+/// `hiders` (may be NULL): seen from a; `sight`: from a, as far as the limit at least; NULL: all edges are tried.
+double lth_visibility_way(const LthVisibility *visibility, LthHiders *hiders, const LthSight *sight,
+                          const double a[3], const double b[3], double limit);

@@ -44,6 +44,7 @@ typedef struct LthMlsScratch {
   double inside[3];  ///< the point, a little to the middle of its cell
   double front;      ///< how far the nearest front is, or less
   LthHiders hiders;  ///< seen from the point
+  LthSight sight;    ///< from the point, where edges are not few
   double *way;       ///< to samples; negative: not looked for, INFINITY: none below way_limit (n)
   double *way_limit; ///< up to what a way was looked for that is not straight                 (n)
   LitheIndex *way_sample, n_ways; ///< which of them have been looked for
