@@ -73,7 +73,8 @@ ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, 
   for (int a = 0; a < DIM; a++) f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + a * SIDE);
 }
 
-// Rows of general blocks come kind by kind, so that processors guess right what comes next. What is fetched ahead goes by their count.
+// Rows of general blocks come kind by kind, so that processors guess right what comes next; what is fetched ahead goes by
+// their count.
 #define EACH_KIND(plain)                                                                           \
   UNROLL                                                                                           \
   for (int plain = 0; plain < 2; plain++)

@@ -12,8 +12,9 @@ static LthFastStep step_of(const LthFastLevel *L, int i) {
                        .fresh = i == 1};
 }
 
-// Work is counted in applications of the finest level's operator in double precision, which touches 16 bytes an unknown: as many as
-// a step of the smoother, that counts as one too, and a residual, that touches 12. What applies no operator counts by bytes.
+// Work is counted in applications of the finest level's operator in double precision, which touches 16 bytes an unknown. A step
+// of the smoother touches as many and counts as one, and so does a residual, which touches 12. What applies no operator counts
+// by bytes.
 
 static double share_of(const LthStaggeredMultigrid *M, int l) {
   return (double)M->hierarchy->n_free[l] / (double)M->hierarchy->n_free[0];
