@@ -20,6 +20,7 @@ static void walk_stage(LthSimulation *s, LthArchive *a) {
   lth_archive_mark(a, "stage");
   LTH_ARCHIVE(a, g->has_old);
   LTH_ARCHIVE(a, g->h_old);
+  LTH_ARCHIVE(a, g->settles);
   if (!g->has_old || a->status != LITHE_OK || s->options.integrator < LTH_BDF2) return;
   if (a->is_reading) a->status = lth_stage_begin(a->ctx, s);
   if (a->status != LITHE_OK) return;

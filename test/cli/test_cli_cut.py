@@ -76,6 +76,7 @@ def history(d):
 check_resumes("cut", DROP, [(2, signal.SIGKILL), (9, signal.SIGINT)])
 for kind in ("bdf2", "newmark"):
     check_resumes("cut by " + kind, DROP, [(7, signal.SIGKILL)], ["time.integrator=" + kind, "colliders=[]"])
+check_resumes("pieces whose steps do not end", DROP, [(7, signal.SIGKILL), (12, signal.SIGKILL)], ["time.integrator=newmark"])
 check_resumes("bend and cut", BEND, [(5, signal.SIGKILL)])
 check_resumes("bend and cut a linear bar", BEND, [(5, signal.SIGKILL)], ["bodies.0.material.model=linear"])
 
