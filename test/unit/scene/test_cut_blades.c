@@ -1,5 +1,5 @@
-/// Random blades with bends through bodies that move: their embedded surfaces are cut wherever the elements are, stay closed edge by
-/// edge, keep their volume, and no vertex follows elements of two sides.
+/// Random blades with bends, and carving, through bodies that move: their embedded surfaces are cut wherever the elements
+/// are, have two polygons at every edge, keep their volume, and no vertex follows elements of two sides.
 #include "base/tensor.h"
 #include "closed_soup.h"
 #include "geometry/bvh.h"
@@ -33,6 +33,15 @@ static void add_blade(Text *t, int i) {
   }
   ADD(t, "], depth: [%.3f, %.3f, %.3f]}}\n", between(-0.3, 0.3), between(-0.3, 0.3),
       pick(3) ? 2.6 : between(0.6, 2.4));
+}
+
+/// A box of which both sides stay; round solids are carved by test_cli_cut_closed.
+static void add_carve(Text *t, int i) {
+  double x = between(-0.6, 0.6), y = between(-0.4, 0.4), z = between(-0.4, 0.4);
+  ADD(t, "  - {at: %g, space: %s, keep: both, carve: {", STEP * (i + 0.5),
+      pick(2) ? "rest" : "deformed");
+  ADD(t, "box: {min: [%.3f, %.3f, %.3f], max: [%.3f, %.3f, %.3f]}}}\n", x, y, z,
+      x + between(0.2, 0.8), y + between(0.2, 0.6), z + between(0.2, 0.6));
 }
 
 static void add_solid(Text *t) {
@@ -89,7 +98,7 @@ static void write_scene(Text *t, const char *ball) {
     ADD(t, "    embed: {surface: shape}\n");
   ADD(t, "    initial: {velocity: [\"y\", \"1+x*3\", \"x-y\"], displacement: [\"0.05*y\", 0, "
          "\"0.03*x*y\"]}\ngravity: [0, -9.81, 0]\ncuts:\n");
-  for (int i = 0; i < CUTS; i++) add_blade(t, i);
+  for (int i = 0; i < CUTS; i++) pick(4) ? add_blade(t, i) : add_carve(t, i);
   ADD(t, "time: {kind: dynamic, duration: 1, step: 0.01}\nsolver: {linear: cholesky}\n");
   assert_true(t->n < sizeof t->at);
 }
@@ -241,7 +250,8 @@ static void check(LitheCtx *ctx, const LthBody *body, const LthSceneCut *cut, do
   check_volumes(t, surface->skin, part, whole);
   check_sides(body, of_body);
   check_rows(ctx, body);
-  if (cut->at_rest) check_blade(body->change->topology, t, cut, n_probes);
+  if (cut->at_rest && cut->kind == LTH_CUT_BLADE)
+    check_blade(body->change->topology, t, cut, n_probes);
   free(part);
   free(of_body);
 }
