@@ -253,7 +253,7 @@ MUTANTS = {
         ("elements that hang together", "embed/around.c", "if (w->mark[p])\n        lth_sets_unite(", "if (w->mark[p] > 1)\n        lth_sets_unite("),
         ("mean over a sample's elements", "embed/embedding_build.c", "e->sample_weight[at++] = phi[a] / (double)n;", "e->sample_weight[at++] = phi[a] / (n > 1 ? n + 0.1 : n);"),
         ("side of a point on a cut", "embed/embedding_build.c", "if (s->cell[e] == cell) return k->id;", "if (s->cell[e] != cell) return k->id;"),
-        ("caps of a skin: texture", "mesh/skin_corners.c", "LITHE_TRY(add_uv(ctx, w, lth_v3_dot(x, source->t1), lth_v3_dot(x, source->t2), &uv));", "LITHE_TRY(add_uv(ctx, w, 1.1 * lth_v3_dot(x, source->t1), lth_v3_dot(x, source->t2), &uv));"),
+        ("caps of a skin: texture", "mesh/skin_corners.c", "lth_v3_dot(x, source->t1),", "1.1 * lth_v3_dot(x, source->t1),"),
         ("texture of new points", "mesh/skin_corners.c", "value[a] += weight[i] * s->uvs[2 * (LitheCount)best[i] + a];", "value[a] += 1.1 * weight[i] * s->uvs[2 * (LitheCount)best[i] + a];"),
         ("caps of a skin", "mesh/skin_corners.c", "if (lth_skin_is_boundary(face) && face->tag <= LTH_TAG_CUT)", "if (lth_skin_is_boundary(face) && face->tag < LTH_TAG_CUT)"),
         ("sides of a cut", "mesh/skin_sides.c", "if (pass == JOIN && n_sides == 2)", "if (pass == JOIN && n_sides == 3)"),
