@@ -130,8 +130,9 @@ ALWAYS N(Lane) N(beside)(const REAL *before, const REAL *here, const REAL *after
 
 /// Component c of the unknowns i, i + 1, ... of row r, or (x = -1, 1) of those one place down or up.
 ALWAYS N(Lane) N(at)(const N(Rows) * rows, int c, int r, int x, int i) {
-  return N(beside)(rows->at[0][r] + c * SIDE, rows->at[1][r] + c * SIDE, rows->at[2][r] + c * SIDE,
-                   x, i);
+  const REAL *before = x < 0 ? rows->at[0][r] + c * SIDE : NULL; // the others may not be known
+  const REAL *after = x > 0 ? rows->at[2][r] + c * SIDE : NULL;
+  return N(beside)(before, rows->at[1][r] + c * SIDE, after, x, i);
 }
 
 // Processors guess that a row follows the one before it, but neither how far to look ahead nor where the neighbours of a
