@@ -18,7 +18,7 @@ static const struct {
     {"kaufmann/fig9", 16, 3},
     {"kaufmann/fig7-slices", 4, 2},
     {"kaufmann/fig10-carve", 55, 1},
-    {"adapt/corner", 25, 2},
+    {"adapt/corner", 40, 3},
     {"dolny/table5.1", 35, 1},
     {"dolny/table5.2", 80, 1},
     {"dolny/fig5.1", 2, 1},
