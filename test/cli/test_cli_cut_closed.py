@@ -150,4 +150,34 @@ for seed in KNOWN + AT_REST + list(range(FIRST, FIRST + N_RANDOM)):
 print("seeds %s and %d to %d: %d surfaces, %d volumes" % (KNOWN, FIRST, FIRST + N_RANDOM - 1, n_surfaces, n_volumes))
 expect("every_edge_has_two_polygons", n_surfaces > 20 and not odd, odd)
 expect("at_rest_surfaces_hold_what_the_elements_hold", n_volumes > 0 and not off, off)
+# Cells of a body that falls and turns as one have planes of their own at rest, which are the same but for rounding.
+with folder() as d:
+    write(d, "falls.yaml", """lithe: 1
+bodies:
+  - name: solid
+    shape: {box: {min: [0, 0, 0], max: [1, 1, 1]}}
+    material: {young_modulus: 1e5, poisson_ratio: 0.3, density: 1000}
+    method: {kind: dg, cells: 4, degree: 1, flux: ip}
+    initial: {velocity: [0.1, 0.2, 0]}
+    embed: {surface: shape}
+gravity: [0, 0, -9.81]
+cuts:
+  - {at: 0.05, plane: {point: [0.31, 0, 0], normal: [1, 0.2, 0.1]}}
+time: {kind: dynamic, duration: 0.06, step: 0.01}
+output: {every: last, fields: [none], surface: [obj]}
+""")
+    got = run("run", "falls.yaml", "-q", "-o", "out", cwd=d)
+    expect("falling_body_runs", got.returncode == 0, got.stderr)
+    points, polys = load(os.path.join(d, "out", sorted(n for n in os.listdir(os.path.join(d, "out")) if n.endswith(".obj"))[-1]))
+
+    def area(p):
+        a, sums = points[p[0]], [0, 0, 0]
+        for q, r in zip(p[1:], p[2:]):
+            u, v = [x - y for x, y in zip(points[q], a)], [x - y for x, y in zip(points[r], a)]
+            for k in range(3):
+                sums[k] += u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2]
+        return math.hypot(*sums) / 2
+
+    thin = [p for p in polys if area(p) < 1e-6]
+    expect("planes_of_a_body_that_moves_as_one_are_one", not thin, "%d of %d polygons are a rounding wide" % (len(thin), len(polys)))
 done()
