@@ -8,30 +8,13 @@ from collections import Counter
 
 from cli import done, expect, folder, run
 from resume import write
+from surfaces import ball
 
 # touched themselves along edges before these were parted: carves, blades and planes that end inside, of both kinds of surfaces
 KNOWN = [4, 7, 11, 13, 16, 21]
 AT_REST = [2, 6, 23]
 N_RANDOM = int(os.environ.get("LITHE_TEST_OPERATIONS", "3"))
 FIRST = int(os.environ.get("LITHE_TEST_SEED", str(int(time.time()) % 10**6 + 1000)))
-
-
-def ball(path, center, radius, n=9):
-    """Meridians and circles of latitude, as quadrilaterals and triangles."""
-    with open(path, "w") as file:
-        for i in range(n + 1):
-            for j in range(2 * n if 0 < i < n else 1):
-                t, p = math.pi * i / n, math.pi * j / n
-                file.write("v %r %r %r\n" % (center[0] + radius * math.sin(t) * math.cos(p), center[1] + radius * math.cos(t),
-                                             center[2] - radius * math.sin(t) * math.sin(p)))
-
-        def corner(i, j):
-            return 1 if i == 0 else 2 + 2 * n * (n - 1) if i == n else 2 + 2 * n * (i - 1) + j % (2 * n)
-        for i in range(n):
-            for j in range(2 * n):
-                quad = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)]
-                quad = quad[1:] if i == 0 else quad[:2] + quad[3:] if i == n - 1 else quad
-                file.write("f %s\n" % " ".join(map(str, quad)))
 
 
 def place(r, *half):
@@ -128,7 +111,7 @@ for seed in KNOWN + AT_REST + list(range(FIRST, FIRST + N_RANDOM)):
     with folder() as d:
         write(d, "scene.yaml", text)
         if is_other:
-            ball(os.path.join(d, "ball.obj"), (r.uniform(-.3, .3), r.uniform(-.2, .2), r.uniform(-.1, .1)), r.uniform(.3, .5))
+            ball(os.path.join(d, "ball.obj"), (r.uniform(-.3, .3), r.uniform(-.2, .2), r.uniform(-.1, .1)), r.uniform(.3, .5), n=9)
         got = run("run", "scene.yaml", "-q", "-o", "out", cwd=d)
         if got.returncode == 2 and "nothing is left" in got.stderr:
             continue
