@@ -9,6 +9,11 @@
 #define RELAX 1e-3 ///< of a cell: what a spring may take up of its slack in a step
 #define OWED 1e-3  ///< of the energy that springs move in a step: what pulls may make
 
+/// Energy of a spring; none where it is not pressed.
+static double energy_of(double pressed, double stiffness) {
+  return pressed > 0 ? 0.5 * stiffness * pressed * pressed : 0;
+}
+
 /// Compression of a spring that holds an energy.
 static double compression(double energy, double stiffness) {
   return stiffness > 0 ? sqrt(2 * energy / stiffness) : 0;
@@ -39,10 +44,10 @@ void lth_touch_limit_stretch(const LthContact *c, const LthTouch *old, LthTouch 
 
 void lth_touch_account(const LthContact *c, bool acted, double spring, LthTouch *touch) {
   const double k = touch->stiffness, before = touch->pressed, after = -touch->gap_end;
-  const double held = before > 0 ? 0.5 * k * before * before : 0;
+  const double held = energy_of(before, k);
   const double work = acted ? k * after * (before - after) : 0; // of the force on the bodies
   touch->acted = acted;
-  touch->stored = acted && after > 0 ? 0.5 * k * after * after : 0;
+  touch->stored = acted ? energy_of(after, k) : 0;
   touch->lost = held - work - touch->stored;
   touch->drawn = 0;
   if (!(c->friction > 0) || !acted || !(k > 0)) return;
@@ -104,8 +109,7 @@ bool lth_contact_drop_pulls(LthContact *c) {
     lost += c->touch[i].lost;
     moved += fabs(c->touch[i].lost) + c->touch[i].stored;
   }
-  const double spare = c->spare - c->spent + lost;
-  if (!(lost < 0) || !(fmax(spare, lost) < -OWED * moved)) return false;
+  if (!(lost < 0) || !(fmax(spare_now(c), lost) < -OWED * moved)) return false;
   for (LitheIndex i = 0; i < c->n_touch; i++)
     c->touch[i].active = c->touch[i].active && c->touch[i].acted;
   c->drops = true;
@@ -115,10 +119,8 @@ bool lth_contact_drop_pulls(LthContact *c) {
 
 double lth_contact_start_energy(const LthContact *c) {
   double energy = 0;
-  for (LitheIndex i = 0; i < c->n_touch; i++) {
-    const LthTouch *touch = &c->touch[i];
-    if (touch->pressed > 0) energy += 0.5 * touch->stiffness * touch->pressed * touch->pressed;
-  }
+  for (LitheIndex i = 0; i < c->n_touch; i++)
+    energy += energy_of(c->touch[i].pressed, c->touch[i].stiffness);
   return energy;
 }
 

@@ -79,14 +79,6 @@ static LitheStatus add_edge(LitheCtx *ctx, const LthMesh *m, const LthCutEdge *e
   return LITHE_OK;
 }
 
-/// Edges of one pair of points, which begin at `first`.
-static LitheCount end_of_run(const LthCutEdge *edges, LitheCount first, LitheCount n) {
-  LitheCount end = first + 1;
-  while (end < n && edges[end].low == edges[first].low && edges[end].high == edges[first].high)
-    end++;
-  return end;
-}
-
 /// Do two cuts go on from each other here? Each has one pair of faces that look at each other.
 static bool is_continued(const LthMesh *m, const LthCutEdge *edge, LitheCount n) {
   int n_first = 0;
@@ -128,13 +120,13 @@ static LitheStatus find_edges(LitheCtx *ctx, const LthMesh *m, const LthCutEdge 
   LTH_NEW_OR(done, ctx, has_front, m->n_faces);
   lth_sets_reset(sheet, m->n_faces);
   for (LitheCount i = 0, end; i < n; i = end) {
-    end = end_of_run(edges, i, n);
+    end = lth_cut_edge_end(edges, i, n);
     unite_faces(m, edges + i, end - i, sheet);
   }
   for (int pass = 0; pass < 2; pass++) {
     for (LitheCount i = 0, end; i < n; i = end) {
       bool is_front = false;
-      end = end_of_run(edges, i, n);
+      end = lth_cut_edge_end(edges, i, n);
       if (!is_way_edge(m, edges + i, end - i, &is_front) || is_front != (pass == 0)) continue;
       bool *has = has_front + lth_sets_root(sheet, edges[i].face);
       *has = *has || is_front;

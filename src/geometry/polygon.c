@@ -22,9 +22,8 @@ void lth_polygon_work_free(LitheCtx *ctx, LthPolygonWork *work) {
   *work = (LthPolygonWork){0};
 }
 
-/// Newell's normal about the first corner.
-static void polygon_normal(const double *points, LitheIndex n, const LitheIndex *corner,
-                           double normal[3]) {
+void lth_polygon_normal(const double *points, LitheIndex n, const LitheIndex *corner,
+                        double normal[3]) {
   const double *origin = points + 3 * (size_t)corner[0];
   double a[3], b[3], cross[3];
   normal[0] = normal[1] = normal[2] = 0;
@@ -40,7 +39,7 @@ static void polygon_normal(const double *points, LitheIndex n, const LitheIndex 
 /// false where the polygon has no area.
 static bool project(const Ring *ring, LitheIndex n) {
   double normal[3];
-  polygon_normal(ring->points, n, ring->corner, normal);
+  lth_polygon_normal(ring->points, n, ring->corner, normal);
   int axis = 0;
   for (int i = 1; i < 3; i++)
     if (fabs(normal[i]) > fabs(normal[axis])) axis = i;

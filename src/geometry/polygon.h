@@ -15,6 +15,10 @@ typedef struct LthPolygonWork {
 
 void lth_polygon_work_free(LitheCtx *ctx, LthPolygonWork *work);
 
+/// Newell's normal about the first corner: twice the area vector [m^2]. `corner`: places in points (n).
+void lth_polygon_normal(const double *points, LitheIndex n, const LitheIndex *corner,
+                        double normal[3]);
+
 /// Cut a polygon of n >= 3 corners into n - 2 triangles with its orientation. Non-convex and slightly
 /// non-planar polygons are fine, corners on straight sides too: no triangle without area is made
 /// unless the polygon has none itself. A polygon that crosses itself gives a fan.

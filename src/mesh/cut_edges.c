@@ -59,3 +59,10 @@ done:
   lth_free(ctx, is_at_cut);
   return status;
 }
+
+LitheCount lth_cut_edge_end(const LthCutEdge *edges, LitheCount first, LitheCount n) {
+  LitheCount end = first + 1;
+  while (end < n && edges[end].low == edges[first].low && edges[end].high == edges[first].high)
+    end++;
+  return end;
+}

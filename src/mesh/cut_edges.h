@@ -15,3 +15,6 @@ bool lth_is_cut_face(const LthMesh *mesh, LitheIndex face);
 /// the order of low, high, face; none where there is no cut. Owned by the caller, who frees them also after an error.
 LitheStatus lth_list_cut_edges(LitheCtx *ctx, const LthMesh *mesh, bool of_boundary,
                                LthCutEdge **edges, LitheCount *n);
+
+/// Behind the last of those in the list that have the points of the one at `first`.
+LitheCount lth_cut_edge_end(const LthCutEdge *edges, LitheCount first, LitheCount n);

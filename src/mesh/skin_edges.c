@@ -60,21 +60,6 @@ static LitheStatus list_uses(LitheCtx *ctx, Edges *e) {
 
 // ------------------------------------------------------------------ pairs
 
-/// Area vector of a polygon.
-static void find_normal(const Edges *e, LitheIndex poly, double n[3]) {
-  const LthSoup *s = &e->w->out;
-  const double *points = e->w->skin->soup->points;
-  const double *x0 = points + 3 * (LitheCount)s->poly_point[s->poly_off[poly]];
-  n[0] = n[1] = n[2] = 0;
-  for (LitheIndex i = s->poly_off[poly] + 1; i + 1 < s->poly_off[poly + 1]; i++) {
-    double a[3], b[3], c[3];
-    lth_v3_sub(points + 3 * (LitheCount)s->poly_point[i], x0, a);
-    lth_v3_sub(points + 3 * (LitheCount)s->poly_point[i + 1], x0, b);
-    lth_v3_cross(a, b, c);
-    lth_v3_axpy(1, c, n);
-  }
-}
-
 static void swap_uses(Use *a, Use *b) {
   Use moved = *a;
   *a = *b;
@@ -83,13 +68,15 @@ static void swap_uses(Use *a, Use *b) {
 
 /// Sort by angle about the edge. Of two sides of a cut at one angle the one that ends what lies before it comes first.
 static void sort_around(const Edges *e, Use *use, LitheIndex n) {
+  const LthSoup *s = &e->w->out;
   const double *points = e->w->skin->soup->points;
   double d[3], u[3], v[3], normal[3], inside[3];
   lth_v3_sub(points + 3 * (LitheCount)use->high, points + 3 * (LitheCount)use->low, d);
   lth_v3_normalize(d);
   lth_face_frame(d, u, v);
   for (LitheIndex i = 0; i < n; i++) {
-    find_normal(e, use[i].poly, normal);
+    const LitheIndex first = s->poly_off[use[i].poly];
+    lth_polygon_normal(points, s->poly_off[use[i].poly + 1] - first, s->poly_point + first, normal);
     lth_v3_cross(normal, d, inside);
     lth_v3_scale(use[i].direction, inside);
     use[i].angle = atan2(lth_v3_dot(inside, v), lth_v3_dot(inside, u));

@@ -158,8 +158,7 @@ static LitheStatus find_sheets(LitheCtx *ctx, LthCracks *c) {
   lth_sets_reset(c->sheet, m->n_faces);
   LITHE_TRY_OR(done, lth_list_cut_edges(ctx, m, false, &edges, &n));
   for (LitheCount i = 0, end; i < n; i = end) {
-    for (end = i; end < n && edges[end].low == edges[i].low && edges[end].high == edges[i].high;)
-      end++;
+    end = lth_cut_edge_end(edges, i, n);
     unite_around(m, edges + i, end - i, c->sheet);
   }
   for (LitheIndex f = 0; f < m->n_faces; f++)

@@ -148,12 +148,10 @@ void lth_rigid_inertia(LthSimulation *s, LitheIndex b, const double *x, double *
 }
 
 bool lth_rigid_turn(const LthInertia *inertia, const double momentum[3], double turn[3]) {
-  double C[9], det = 0;
-  lth_m3_cofactor(inertia->tensor, C);
-  for (int i = 0; i < 3; i++) det += inertia->tensor[i] * C[i];
-  if (!(det > 0)) return false;
-  lth_m3_apply(C, momentum, turn); // the inverse: C is symmetric
-  lth_v3_scale(1 / det, turn);
+  double inverse[9];
+  if (!(lth_m3_det(inertia->tensor) > 0)) return false;
+  lth_m3_inverse(inertia->tensor, inverse);
+  lth_m3_apply(inverse, momentum, turn);
   return true;
 }
 

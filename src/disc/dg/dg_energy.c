@@ -182,8 +182,8 @@ double lth_dg_hold_penalty_energy(const LthDgOperator *op, const LthDgHold *hold
   return hold_energy(op, hold, t, u, NULL);
 }
 
-/// Energy of the inside of elements, of jumps (with constraints), or of both.
-static double sum_energy(LthDgOperator *op, double t, const double *x, bool insides, bool jumps) {
+/// Energy of jumps (with constraints), with that of the inside of elements or without.
+static double sum_energy(LthDgOperator *op, double t, const double *x, bool insides) {
   LitheIndex n_cells = op->space->n_cells;
 #pragma omp parallel for schedule(static) num_threads(lth_dg_threads(op))
   for (LitheIndex cell = 0; cell < n_cells; cell++) {
@@ -191,9 +191,9 @@ static double sum_energy(LthDgOperator *op, double t, const double *x, bool insi
     lth_dg_stress_coefficients(op, cell, x, S);
     cell_displacement(op, cell, x, u);
     double sum = insides ? element_energy(op, cell, S) : 0;
-    for (LitheIndex f = op->own_face_off[cell]; jumps && f < op->own_face_off[cell + 1]; f++)
+    for (LitheIndex f = op->own_face_off[cell]; f < op->own_face_off[cell + 1]; f++)
       sum += face_energy(op, &op->faces[f], x);
-    for (LitheIndex h = op->hold_off[cell]; jumps && h < op->hold_off[cell + 1]; h++)
+    for (LitheIndex h = op->hold_off[cell]; h < op->hold_off[cell + 1]; h++)
       sum += hold_energy(op, &op->holds[h], t, u, S);
     op->partial[cell] = sum;
   }
@@ -203,11 +203,11 @@ static double sum_energy(LthDgOperator *op, double t, const double *x, bool insi
 }
 
 double lth_dg_energy(LthDgOperator *op, double t, const double *x) {
-  return sum_energy(op, t, x, !op->faces_only, true);
+  return sum_energy(op, t, x, !op->faces_only);
 }
 
 double lth_dg_jump_energy(LthDgOperator *op, double t, const double *x) {
-  return sum_energy(op, t, x, false, true);
+  return sum_energy(op, t, x, false);
 }
 
 /// Force of a hold on the body: minus its internal force tested with constants,
