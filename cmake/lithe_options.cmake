@@ -16,3 +16,11 @@ endif()
 if(LITHE_FUZZ)
   add_compile_options(-fsanitize=fuzzer-no-link)
 endif()
+
+# Instruction sets that kernels are compiled for, as src/base/isa.h knows them, and the options that choose them.
+set(LITHE_ISAS base)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  list(APPEND LITHE_ISAS v3 v4)
+  set(LITHE_ISA_v3 -march=x86-64-v3)
+  set(LITHE_ISA_v4 -march=x86-64-v4)
+endif()

@@ -1,5 +1,5 @@
-/// What the solver does with one block, for DIM = 2 or 3: rows in single and double precision, transfers.
-#include "base/clones.h"
+/// What the solver does with one block, for DIM = 2 or 3: rows in single and double precision, transfers. Compiled once
+/// for every instruction set, whose name is ISA.
 #include "disc/staggered/staggered_fast.h"
 #include "disc/staggered/staggered_slot.h"
 
@@ -8,16 +8,26 @@
 #define JOIN2(a, b) a##_##b
 #define JOIN(a, b) JOIN2(a, b)
 
+// Bytes of a register. gcc takes wider vectors apart through memory, three to six times slower.
+#if defined(__AVX512F__)
+#define REGISTER 64
+#elif defined(__AVX__)
+#define REGISTER 32
+#else
+#define REGISTER 16
+#endif
+
 /// Block that comes so many later in memory, if there is one.
 static inline LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, LitheIndex by) {
   return block + by < g->n_blocks ? block + by : block;
 }
 
-#if DIM == 3
+#if DIM == 3 && REGISTER == 64
 #define LANES_F 8
 #else
-#define LANES_F 16
+#define LANES_F (REGISTER / 4)
 #endif
+#define LANES_D (REGISTER / 8)
 #define REAL float
 #define LANES LANES_F
 #define N(name) JOIN(name, f)
@@ -26,7 +36,7 @@ static inline LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, L
 #undef LANES
 #undef N
 #define REAL double
-#define LANES 8
+#define LANES LANES_D
 #define N(name) JOIN(name, d)
 #include "disc/staggered/staggered_rows.h"
 #undef REAL
@@ -63,14 +73,15 @@ ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
   if (uniform) begin_planes_f(B);
 }
 
-/// f = A x in a row of a general block, in vectors row q.
+/// f = A x from place i on in a row of a general block, in vectors row q.
 ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, const bool plain,
-                     int row, LitheIndex q, Lane_f f[DIM]) {
-  row_f(B, plain, row, 0, f);
+                     int row, int i, LitheIndex q, Lane_f f[DIM]) {
+  row_f(B, plain, row, i, f);
   if (!L->inertia) return;
-  const float *m = L->inertia + (L->number[block] + q - B->own.first) * (LitheCount)WIDTH;
+  const float *m = L->inertia + (L->number[block] + q - B->own.first) * (LitheCount)WIDTH + i;
   UNROLL
-  for (int a = 0; a < DIM; a++) f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + a * SIDE);
+  for (int a = 0; a < DIM; a++)
+    f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + i + a * SIDE);
 }
 
 // Rows of general blocks come kind by kind, so that processors guess right what comes next; what is fetched ahead goes by
@@ -78,6 +89,7 @@ ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, 
 #define EACH_KIND(plain)                                                                           \
   UNROLL                                                                                           \
   for (int plain = 0; plain < 2; plain++)
+#define EACH_PART(real, i) UNROLL_SIDE for (int i = 0; i < SIDE; i += LANES_##real)
 #define EACH_ROW(rows, row)                                                                        \
   for (uint64_t left_ = (rows), row = 0; left_ && (row = (uint64_t)__builtin_ctzll(left_), true);  \
        left_ &= left_ - 1)
@@ -100,13 +112,17 @@ ALWAYS float inverse_diagonal(const LthFastLevel *L, LitheIndex block, int a) {
   return 1 / d;
 }
 
-typedef double Wide __attribute__((vector_size(LANES_F * sizeof(double))));
-
-ALWAYS double sum_wide(Wide lane) {
+ALWAYS double sum_lanes(Lane_d lane) {
   double sum = 0;
-  for (int i = 0; i < LANES_F; i++) sum += lane[i];
+  for (int i = 0; i < LANES_D; i++) sum += lane[i];
   return sum;
 }
+
+/// As many floats as a register has doubles.
+typedef float Narrow
+    __attribute__((vector_size(LANES_D * sizeof(float)), aligned(sizeof(float)), may_alias));
+
+ALWAYS Lane_d widen(const float *p) { return __builtin_convertvector(*(const Narrow *)p, Lane_d); }
 
 /// Inverse of the diagonal of a general block's row of vectors.
 ALWAYS const float *inverse_of(const LthFastLevel *L, LitheIndex block, LitheIndex q) {
@@ -117,25 +133,25 @@ ALWAYS const float *inverse_of(const LthFastLevel *L, LitheIndex block, LitheInd
 typedef struct Step {
   LthFastStep by;
   float same[DIM]; ///< length D^-1, where it is the same in all rows
-  Wide product;
+  Lane_d product;
 } Step;
 
-/// y = keep x - old y + length D^-1 (b - f) in row q.
+/// y = keep x - old y + length D^-1 (b - f) in row q, from place i on.
 ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, const float *stored,
-                       LitheIndex q, const Lane_f f[DIM]) {
+                       LitheIndex q, int i, const Lane_f f[DIM]) {
   const float keep = 1 + step->by.momentum, old = step->by.momentum, length = step->by.length;
   const float *x = row_of(L->x, q), *b = row_of(L->b, q);
   float *y = row_of(L->y, q);
   UNROLL
   for (int a = 0; a < DIM; a++) {
-    const int at = a * SIDE;
-    const Lane_f rhs = load_f(b + at), r = rhs - f[a];
+    const int at = a * SIDE + i;
+    const Lane_f r = load_f(b + at) - f[a];
     Lane_f z =
         keep * load_f(x + at) + (stored ? length * load_f(stored + at) * r : step->same[a] * r);
     if (!fresh) z -= old * load_f(y + at);
     store_f(y + at, z);
-    if (step->by.product)
-      step->product += __builtin_convertvector(rhs, Wide) * __builtin_convertvector(z, Wide);
+    for (int n = at; step->by.product && n < at + LANES_F; n += LANES_D)
+      step->product += widen(b + n) * widen(y + n);
   }
 }
 
@@ -155,22 +171,24 @@ ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep b
     const LitheIndex q = number_f(B.own, (int)row);
     fast_fetch(L, &B, q, n++);
     fetch_row_f(inverse_of(L, block, q + SOON));
-    fast_row(L, block, &B, plain, (int)row, q, f);
-    smooth_row(L, &step, fresh, inverse_of(L, block, q), q, f);
-  }
-  for (int k = 0; uniform && k < DEEP; k++) {
-    Slide_f slide[1];
-    UNROLL_SIDE
-    for (int j = 0; j < SIDE; j++) {
-      fast_fetch(L, &B, first + k * SIDE + j, k * SIDE + j);
-      next_row_f(&B, slide, j, k, 0, f);
-      smooth_row(L, &step, fresh, NULL, first + k * SIDE + j, f);
+    EACH_PART(F, i) {
+      fast_row(L, block, &B, plain, (int)row, i, q, f);
+      smooth_row(L, &step, fresh, inverse_of(L, block, q), q, i, f);
     }
   }
-  return by.product ? sum_wide(step.product) : 0;
+  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(F, i) {
+      Slide_f slide;
+      UNROLL_SIDE
+      for (int j = 0; j < SIDE; j++) {
+        const LitheIndex q = first + k * SIDE + j;
+        if (i == 0) fast_fetch(L, &B, q, k * SIDE + j);
+        next_row_f(&B, &slide, j, k, i, f);
+        smooth_row(L, &step, fresh, NULL, q, i, f);
+      }
+    }
+  return by.product ? sum_lanes(step.product) : 0;
 }
 
-LTH_CLONES
 static double smooth(const LthFastLevel *L, LitheIndex block, LthFastStep step) {
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
   if (step.fresh && uniform) return smooth_rows(L, block, step, true, true);
@@ -179,7 +197,6 @@ static double smooth(const LthFastLevel *L, LitheIndex block, LthFastStep step) 
   return smooth_rows(L, block, step, false, false);
 }
 
-LTH_CLONES
 static void start(const LthFastLevel *L, LitheIndex block, float length) {
   const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
   float same[DIM];
@@ -189,10 +206,11 @@ static void start(const LthFastLevel *L, LitheIndex block, float length) {
     const float *b = row_of(L->b, q), *stored = uniform ? NULL : inverse_of(L, block, q);
     float *x = row_of(L->x, q);
     UNROLL
-    for (int a = 0; a < DIM; a++) {
-      const Lane_f rhs = load_f(b + a * SIDE);
-      store_f(x + a * SIDE, uniform ? same[a] * rhs : length * load_f(stored + a * SIDE) * rhs);
-    }
+    for (int a = 0; a < DIM; a++) EACH_PART(F, i) {
+        const int at = a * SIDE + i;
+        const Lane_f rhs = load_f(b + at);
+        store_f(x + at, uniform ? same[a] * rhs : length * load_f(stored + at) * rhs);
+      }
   }
 }
 
@@ -200,13 +218,14 @@ ALWAYS const float *scale_of(const LthFastLevel *L, LitheIndex block, LitheIndex
   return L->scale + (L->scaled[block] + q - L->first[block]) * (LitheCount)WIDTH;
 }
 
-/// y = scale (b - f) in row q; `scale` is NULL where it is the same in all rows.
-ALWAYS void scale_row(const LthFastLevel *L, float same, const float *scale, LitheIndex q,
+/// y = scale (b - f) in row q, from place i on; `scale` is NULL where it is the same in all rows.
+ALWAYS void scale_row(const LthFastLevel *L, float same, const float *scale, LitheIndex q, int i,
                       const Lane_f f[DIM]) {
   UNROLL
   for (int a = 0; a < DIM; a++) {
-    const Lane_f r = load_f(row_of(L->b, q) + a * SIDE) - f[a];
-    store_f(row_of(L->y, q) + a * SIDE, scale ? r * load_f(scale + a * SIDE) : r * same);
+    const int at = a * SIDE + i;
+    const Lane_f r = load_f(row_of(L->b, q) + at) - f[a];
+    store_f(row_of(L->y, q) + at, scale ? r * load_f(scale + at) : r * same);
   }
 }
 
@@ -222,22 +241,23 @@ ALWAYS void residual_rows(const LthFastLevel *L, LitheIndex block, const bool un
   EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
     const LitheIndex q = number_f(B.own, (int)row);
     fast_fetch(L, &B, q, n++);
-    fast_row(L, block, &B, plain, (int)row, q, f);
-    scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, f);
-  }
-  for (int k = 0; uniform && k < DEEP; k++) {
-    Slide_f slide[1];
-    UNROLL_SIDE
-    for (int j = 0; j < SIDE; j++) {
-      const LitheIndex q = first + k * SIDE + j;
-      fast_fetch(L, &B, q, k * SIDE + j);
-      next_row_f(&B, slide, j, k, 0, f);
-      scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, f);
+    EACH_PART(F, i) {
+      fast_row(L, block, &B, plain, (int)row, i, q, f);
+      scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, i, f);
     }
   }
+  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(F, i) {
+      Slide_f slide;
+      UNROLL_SIDE
+      for (int j = 0; j < SIDE; j++) {
+        const LitheIndex q = first + k * SIDE + j;
+        if (i == 0) fast_fetch(L, &B, q, k * SIDE + j);
+        next_row_f(&B, &slide, j, k, i, f);
+        scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, i, f);
+      }
+    }
 }
 
-LTH_CLONES
 static void residual(const LthFastLevel *L, LitheIndex block) {
   if (L->kind[block] == LTH_BLOCK_UNIFORM)
     residual_rows(L, block, true);
@@ -245,12 +265,13 @@ static void residual(const LthFastLevel *L, LitheIndex block) {
     residual_rows(L, block, false);
 }
 
-LTH_CLONES
 static void weigh(const LthFastLevel *L, LitheIndex block) {
   const Lane_f none[DIM] = {0};
-  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++)
-    scale_row(L, L->same_scale[block], L->scaled[block] >= 0 ? scale_of(L, block, q) : NULL, q,
-              none);
+  const bool varies = L->scaled[block] >= 0;
+  for (LitheIndex q = L->first[block]; q < L->first[block + 1]; q++) {
+    const float *scale = varies ? scale_of(L, block, q) : NULL;
+    EACH_PART(F, i) scale_row(L, L->same_scale[block], scale, q, i, none);
+  }
 }
 
 /// The operator in double precision in a block.
@@ -279,15 +300,24 @@ ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, d
   if (uniform) begin_planes_d(B);
 }
 
-typedef uint64_t Bits __attribute__((vector_size(64)));
+typedef uint64_t Bits __attribute__((vector_size(REGISTER)));
+
+// Shifts that bring the lowest bits of bytes to the top of a word.
+#if LANES_D == 8
+#define TO_TOP 63, 55, 47, 39, 31, 23, 15, 7
+#elif LANES_D == 4
+#define TO_TOP 63, 55, 47, 39
+#else
+#define TO_TOP 63, 55
+#endif
 
 /// v where unknowns are free, or (`held`) not dead, else 0. The lowest bit of a state says that it is free, the next one
 /// that it is held.
-ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[8], bool held) {
-  uint64_t s;
-  memcpy(&s, state, 8);
+ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[LANES_D], bool held) {
+  uint64_t s = 0;
+  memcpy(&s, state, LANES_D);
   s |= held ? s >> 1 : 0;
-  const Bits lowest = ((Bits){0} + s) << (Bits){63, 55, 47, 39, 31, 23, 15, 7};
+  const Bits lowest = ((Bits){0} + s) << (Bits){TO_TOP};
   return (Lane_d)((Bits)v & -(lowest >> 63));
 }
 
@@ -336,33 +366,26 @@ ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, 
     const double *p = values + q * (LitheCount)WIDTH;
     double *to = result + q * (LitheCount)WIDTH;
     exact_fetch(&B, p, to, n++);
-    UNROLL
-    for (int i = 0; i < SIDE; i += 8) {
+    EACH_PART(D, i) {
       row_d(&B, plain, (int)row, i, f);
       finish_row(L, block * (LitheCount)BLOCK_ROWS + (int)row, i, inert, held, plain, p, f);
       product += exact_store(p + i, f, to + i);
     }
   }
-  for (int k = 0; uniform && k < DEEP; k++) {
-    Slide_d slide[SIDE / 8];
-    UNROLL_SIDE
-    for (int j = 0; j < SIDE; j++) {
-      const double *p = values + (first + k * SIDE + j) * (LitheCount)WIDTH;
-      double *to = result + (first + k * SIDE + j) * (LitheCount)WIDTH;
-      exact_fetch(&B, p, to, k * SIDE + j);
-      UNROLL
-      for (int i = 0; i < SIDE; i += 8) {
-        next_row_d(&B, slide, j, k, i, f);
+  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(D, i) {
+      Slide_d slide;
+      UNROLL_SIDE
+      for (int j = 0; j < SIDE; j++) {
+        const double *p = values + (first + k * SIDE + j) * (LitheCount)WIDTH;
+        double *to = result + (first + k * SIDE + j) * (LitheCount)WIDTH;
+        if (i == 0) exact_fetch(&B, p, to, k * SIDE + j);
+        next_row_d(&B, &slide, j, k, i, f);
         product += exact_store(p + i, f, to + i);
       }
     }
-  }
-  double sum = 0;
-  for (int i = 0; i < 8; i++) sum += product[i];
-  return sum;
+  return sum_lanes(product);
 }
 
-LTH_CLONES
 static double apply(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                     const double *values, double *result) {
   const double volume = lth_sparse_grid_cell_volume(L->grid);
@@ -374,5 +397,6 @@ static double apply(const LthFastLevel *L, LitheIndex block, double cm, double c
 
 #include "disc/staggered/staggered_transfers.h"
 
-const LthFastKernels JOIN(lth_fast_kernels, SUFFIX) = {smooth,      start,        residual, weigh,
-                                                       restrict_to, prolong_from, apply};
+extern const LthFastKernels JOIN(lth_fast_kernels, JOIN(SUFFIX, ISA));
+const LthFastKernels JOIN(lth_fast_kernels, JOIN(SUFFIX, ISA)) = {
+    smooth, start, residual, weigh, restrict_to, prolong_from, apply};

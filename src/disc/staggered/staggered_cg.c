@@ -100,7 +100,7 @@ static double add_extra(LitheCtx *ctx, LthStaggeredMultigrid *M, const double *y
 /// q = A p; returns p . q.
 static double apply_operator(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOperator *extra) {
   const LthFastLevel *L = &M->level[0];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex i = 0; i < L->n_active; i++)
     M->sum[i] = k->apply(L, L->active[i], M->cm, M->ck, false, M->p, M->work);

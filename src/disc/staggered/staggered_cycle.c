@@ -30,7 +30,7 @@ static void swap_vectors(LthFastLevel *L) {
 static void smooth(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, int first, int last,
                    double *sum) {
   LthFastLevel *L = &M->level[l];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   M->work_done += share_of(M, l) * (last - first + 1);
   for (int i = first; i <= last; i++) {
     LthFastStep step = step_of(L, i);
@@ -47,7 +47,7 @@ static void smooth(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, int first, in
 
 static void start(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
   LthFastLevel *L = &M->level[l];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   M->work_done += 0.5 * share_of(M, l);
   float length = step_of(L, 1).length;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
@@ -57,7 +57,7 @@ static void start(LitheCtx *ctx, LthStaggeredMultigrid *M, int l) {
 /// Right-hand side of the coarser level: the residual, or (`of_b`) the right-hand side.
 static void restrict_down(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool of_b) {
   const LthFastLevel *L = &M->level[l], *coarse = L + 1;
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   M->work_done += (of_b ? 0.75 : 1.25) * share_of(M, l) + 0.25 * share_of(M, l + 1);
 #pragma omp parallel num_threads(lth_threads(ctx))
   {
@@ -70,7 +70,7 @@ static void restrict_down(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool o
 
 static void prolong_up(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, bool add) {
   const LthFastLevel *L = &M->level[l], *coarse = L + 1;
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   M->work_done += (add ? 0.5 : 0.25) * share_of(M, l) + 0.25 * share_of(M, l + 1);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, add);
@@ -110,7 +110,7 @@ static LitheStatus correct(LitheCtx *ctx, LthStaggeredMultigrid *M, int l, const
     return LITHE_OK;
   }
   if (!M->clusters) return LITHE_OK;
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   M->work_done += share_of(M, l);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < L->n_active; b++) k->residual(L, L->active[b]);

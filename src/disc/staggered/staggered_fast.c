@@ -18,6 +18,7 @@ static double stiffest_of(const LthStaggeredLevel *l) {
 
 LitheStatus lth_fast_level_analyse(LitheCtx *ctx, const LthStaggeredLevel *level, LthFastLevel *L) {
   *L = (LthFastLevel){.level = level, .grid = level->grid};
+  L->kernels = lth_fast_kernels_for(L->grid->dim, lth_isa());
   for (int a = 0; a < 3; a++) L->ratio[a] = level->grid->h[0] / level->grid->h[a];
   L->stiffest = stiffest_of(level);
   LitheStatus status = lth_fast_level_sort(ctx, L);
@@ -234,7 +235,7 @@ static void set_scale(LthFastLevel *L, LitheIndex block) {
 }
 
 LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *coarse) {
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   double unit = lth_staggered_modulus_unit(coarse->level);
   uint8_t *near = NULL;
   LTH_NEW(ctx, near, L->grid->n_blocks);

@@ -2,11 +2,14 @@
 /// docs/theory/staggered-multigrid.md, "Kernels".
 #pragma once
 
+#include "base/isa.h"
 #include "disc/staggered/staggered_hierarchy.h"
 
 /// What a block holds. Inside a uniform one all samples that its unknowns touch have one material and all its
 /// unknowns are free: its kernel has constant coefficients.
 typedef enum LthBlockKind { LTH_BLOCK_EMPTY, LTH_BLOCK_UNIFORM, LTH_BLOCK_GENERAL } LthBlockKind;
+
+typedef struct LthFastKernels LthFastKernels; // below
 
 /// Vectors of a level hold rows of `side` cells along x in which some unknown is alive, component after component: that of
 /// cell i stands at [row stride + a side + i]. Row 0 is of zeros, and stands for all that is not there.
@@ -17,6 +20,7 @@ typedef struct LthFastVector {
 
 /// Coefficients are those of (cm M + ck K) / unit; unit is the same on all levels.
 typedef struct LthFastLevel {
+  const LthFastKernels *kernels; ///< of the widest instruction set that there is
   const LthStaggeredLevel *level;
   const LthSparseGrid *grid;
   double ratio[3];     ///< h_x / h_a
@@ -108,7 +112,7 @@ typedef struct LthFastStep {
 } LthFastStep;
 
 /// Kernels on one block; the same for 2D and 3D.
-typedef struct LthFastKernels {
+struct LthFastKernels {
   /// A step; returns b . (new y), or 0.
   double (*smooth)(const LthFastLevel *L, LitheIndex block, LthFastStep step);
   /// x = length D^-1 b.
@@ -126,10 +130,7 @@ typedef struct LthFastKernels {
   /// (`held`) where dead. Returns p . q.
   double (*apply)(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
                   const double *p, double *q);
-} LthFastKernels;
+};
 
-extern const LthFastKernels lth_fast_kernels_2d, lth_fast_kernels_3d;
-
-static inline const LthFastKernels *lth_fast_kernels(const LthFastLevel *L) {
-  return L->grid->dim == 3 ? &lth_fast_kernels_3d : &lth_fast_kernels_2d;
-}
+/// Those of an instruction set, NULL where this processor does not have it.
+const LthFastKernels *lth_fast_kernels_for(int dim, LthIsa isa);

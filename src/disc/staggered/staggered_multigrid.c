@@ -190,7 +190,7 @@ LitheStatus lth_staggered_multigrid_prepare(LitheCtx *ctx, LthStaggeredMultigrid
 void lth_staggered_multigrid_apply(LthStaggeredMultigrid *M, int threads, double cm, double ck,
                                    bool held, const double *x, double *y) {
   const LthFastLevel *L = &M->level[0];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   lth_staggered_scatter(M, threads, false, x, M->p);
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (LitheIndex i = 0; i < L->n_active; i++)

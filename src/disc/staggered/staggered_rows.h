@@ -38,22 +38,30 @@ ALWAYS void N(store)(REAL *p, N(Lane) v) { *(N(Lane) *)p = v; }
 /// The value in all places.
 ALWAYS N(Lane) N(same)(REAL value) { return value - (N(Lane)){0}; }
 
+// Places in two registers, the second after the first: from the second value on, and from the first one's last.
+#if LANES == 2
+#define ONE_UP 1, 2
+#define ONE_DOWN 1, 2
+#elif LANES == 4
+#define ONE_UP 1, 2, 3, 4
+#define ONE_DOWN 3, 4, 5, 6
+#elif LANES == 8
+#define ONE_UP 1, 2, 3, 4, 5, 6, 7, 8
+#define ONE_DOWN 7, 8, 9, 10, 11, 12, 13, 14
+#else
+#define ONE_UP 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16
+#define ONE_DOWN 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30
+#endif
+
 /// Values one place further up: those of v but its first, then the first of `next`; and one place further down.
 ALWAYS N(Lane) N(shift_up)(N(Lane) v, N(Lane) next) {
-#if LANES == 8
-  return __builtin_shufflevector(v, next, 1, 2, 3, 4, 5, 6, 7, 8);
-#else
-  return __builtin_shufflevector(v, next, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
-#endif
+  return __builtin_shufflevector(v, next, ONE_UP);
 }
 ALWAYS N(Lane) N(shift_down)(N(Lane) before, N(Lane) v) {
-#if LANES == 8
-  return __builtin_shufflevector(before, v, 7, 8, 9, 10, 11, 12, 13, 14);
-#else
-  return __builtin_shufflevector(before, v, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28,
-                                 29, 30);
-#endif
+  return __builtin_shufflevector(before, v, ONE_DOWN);
 }
+#undef ONE_UP
+#undef ONE_DOWN
 
 /// Where rows of a block and those around it stand: in the blocks before, here and after along x.
 typedef struct N(Rows) {
@@ -348,14 +356,14 @@ typedef struct N(Block) {
 /// Divergences of the plane before a block whose rows are all plain.
 ALWAYS void N(begin_planes)(N(Block) * B) {
   for (int j = 0; DIM == 3 && j < SIDE; j++)
-    B->under[j][0] = N(divergence)(&B->rows, B->same.ratio, ROW(j, FIRST_K), 0, 0);
+    for (int i = 0; i < SIDE; i += LANES)
+      B->under[j][i / LANES] = N(divergence)(&B->rows, B->same.ratio, ROW(j, FIRST_K), 0, i);
 }
 
 /// f = K u with the inertia of `same` in row (j, k) of such a block, one after the other.
-ALWAYS void N(next_row)(N(Block) * B, N(Slide) s[SIDE / LANES], int j, int k, int i,
-                        N(Lane) f[DIM]) {
-  if (j == 0) N(begin_slide)(&B->rows, &B->same, ROW(0, k), i, &s[i / LANES]);
-  N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, &s[i / LANES], &B->under[j][i / LANES], f);
+ALWAYS void N(next_row)(N(Block) * B, N(Slide) * s, int j, int k, int i, N(Lane) f[DIM]) {
+  if (j == 0) N(begin_slide)(&B->rows, &B->same, ROW(0, k), i, s);
+  N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, s, &B->under[j][i / LANES], f);
 }
 
 /// f = K u (in plain rows with the inertia of `same`) in a row of a block that has others, too.

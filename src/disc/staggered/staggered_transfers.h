@@ -86,25 +86,29 @@ ALWAYS void blend(bool own, int j, const float *restrict below, const float *res
   }
 }
 
-// Places in a register, from one before a row of coarse values on: each value twice; the one that fine values lean to,
-// along the component and across; and every second one.
-#if LANES_F == 8
+// Places in a register, from one before a row of coarse values on: each value twice; and the one that fine values lean to,
+// along the component and across.
+#if LANES_F == 4
+#define TWICE 1, 1, 2, 2
+#define ALONG 1, 2, 2, 3
+#define ACROSS 0, 2, 1, 3
+#elif LANES_F == 8
 #define TWICE 1, 1, 2, 2, 3, 3, 4, 4
 #define ALONG 1, 2, 2, 3, 3, 4, 4, 5
 #define ACROSS 0, 2, 1, 3, 2, 4, 3, 5
-#define EVEN 0, 2, 4, 6
 #else
 #define TWICE 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8
 #define ALONG 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8, 9
 #define ACROSS 0, 2, 1, 3, 2, 4, 3, 5, 4, 6, 5, 7, 6, 8, 7, 9
-#define EVEN 0, 2, 4, 6, 8, 10, 12, 14
 #endif
 
 /// Fine values along a row of coarse ones.
-ALWAYS Lane_f spread(const float *from, bool own) {
-  const Lane_f v = load_f(from - 1), near = __builtin_shufflevector(v, v, TWICE);
-  return own ? 0.5F * (near + __builtin_shufflevector(v, v, ALONG))
-             : 0.75F * near + 0.25F * __builtin_shufflevector(v, v, ACROSS);
+ALWAYS void spread(const float *from, bool own, float *to) {
+  EACH_PART(F, i) {
+    const Lane_f v = load_f(from + i / 2 - 1), near = __builtin_shufflevector(v, v, TWICE);
+    store_f(to + i, own ? 0.5F * (near + __builtin_shufflevector(v, v, ALONG))
+                        : 0.75F * near + 0.25F * __builtin_shufflevector(v, v, ACROSS));
+  }
 }
 
 /// Component a of a fine block from the padded coarse one that it is a part of.
@@ -114,7 +118,7 @@ ALWAYS void interpolate(const float *c, int a, const int offset[3], float *restr
   for (int K = 0; K < LAYERS; K++)
     for (int J = 0; J < ROWS; J++) {
       const float *from = c + AT(offset[0], offset[1] + J - 1, (DIM == 3 ? offset[2] + K - 1 : 0));
-      store_f(x[K][J], spread(from, a == 0));
+      spread(from, a == 0, x[K][J]);
     }
   for (int K = 0; K < LAYERS; K++)
     for (int j = 0; j < SIDE; j++) {
@@ -141,15 +145,15 @@ ALWAYS void take_rows(const LthFastLevel *L, LitheIndex block, LitheIndex later,
     const float *from = out[0] + L->local[q] * SIDE, *scale = varies ? scale_of(L, block, q) : NULL;
     fetch_nth(L, later, q - first, L->x);
     UNROLL
-    for (int a = 0; a < DIM; a++) {
-      Lane_f v = load_f(from + a * CELLS) * (varies ? load_f(scale + a * SIDE) : same_f(same));
-      if (add) v += load_f(x + a * SIDE);
-      store_f(x + a * SIDE, v);
-    }
+    for (int a = 0; a < DIM; a++) EACH_PART(F, i) {
+        const int at = a * SIDE + i;
+        Lane_f v = load_f(from + a * CELLS + i) * (varies ? load_f(scale + at) : same_f(same));
+        if (add) v += load_f(x + at);
+        store_f(x + at, v);
+      }
   }
 }
 
-LTH_CLONES
 static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block,
                          bool add) {
   _Alignas(64) float c[DIM][PADDED], out[DIM][CELLS];
@@ -179,49 +183,46 @@ static void prolong_from(const LthFastLevel *fine, const LthFastLevel *coarse, L
   }
 }
 
-/// Half a register.
-typedef float Half
-    __attribute__((vector_size(LANES_F * sizeof(float) / 2), aligned(sizeof(float)), may_alias));
-
 /// Transposed weights along one axis: a coarse value from four fine ones, of which the second is the nearest.
 ALWAYS Lane_f gather4(Lane_f before, Lane_f here, Lane_f after, Lane_f far, bool own) {
   return own ? here + 0.5F * (before + after) : 0.75F * (here + after) + 0.25F * (before + far);
 }
 
-/// Values two places further up.
-ALWAYS Lane_f shift_two(Lane_f v, Lane_f next) {
-  return shift_up_f(shift_up_f(v, next), shift_up_f(next, next));
+/// Along z: component a of the rows j = -1 ... SIDE around plane 2 K, in the block before, here, and behind along x.
+ALWAYS void collect_planes(const Rows_f *rows, int a, int K, float z[SIDE + 2][3 * SIDE]) {
+  for (int j = -1; j <= SIDE; j++)
+    for (int x = 0; x < 3; x++) EACH_PART(F, i) {
+        const float *const *at = rows->at[x] + ROW(j, 2 * K);
+        const int from = a * SIDE + i;
+        Lane_f v = load_f(at[0] + from);
+#if DIM == 3
+        v = gather4(load_f(at[-ROWS_Z] + from), v, load_f(at[ROWS_Z] + from),
+                    a == 2 ? v : load_f(at[2 * ROWS_Z] + from), a == 2);
+#endif
+        store_f(z[j + 1] + x * SIDE + i, v);
+      }
 }
 
 /// Component a of a part of a coarse block (in coarse cells, SIDE apart) from the fine block below it: along z and y in the
 /// block and those before and behind it, then along x.
 ALWAYS void collect(const Rows_f *rows, int a, float *restrict out) {
-  Lane_f z[3][SIDE + 2];
+  _Alignas(64) float z[SIDE + 2][3 * SIDE], y[3 * SIDE];
   for (int K = 0; K < DEEP_HALF; K++) {
-    for (int x = 0; x < 3; x++)
-      for (int j = -1; j <= SIDE; j++) {
-        const float *const *at = rows->at[x] + ROW(j, 2 * K);
-        z[x][j + 1] = load_f(at[0] + a * SIDE);
-#if DIM == 3
-        z[x][j + 1] =
-            gather4(load_f(at[-ROWS_Z] + a * SIDE), z[x][j + 1], load_f(at[ROWS_Z] + a * SIDE),
-                    a == 2 ? z[x][j + 1] : load_f(at[2 * ROWS_Z] + a * SIDE), a == 2);
-#endif
-      }
+    collect_planes(rows, a, K, z);
     for (int J = 0; J < HALF; J++) {
-      Lane_f v[3];
-      for (int x = 0; x < 3; x++) {
-        const Lane_f *at = &z[x][2 * J];
-        v[x] = gather4(at[0], at[1], at[2], a == 1 ? at[0] : at[3], a == 1);
+      const float(*at)[3 * SIDE] = (const float(*)[3 * SIDE]) z + 2 * J;
+      for (int i = 0; i < 3 * SIDE; i += LANES_F)
+        store_f(y + i, gather4(load_f(at[0] + i), load_f(at[1] + i), load_f(at[2] + i),
+                               load_f(at[a == 1 ? 0 : 3] + i), a == 1));
+      for (int i = 0; i < HALF; i++) {
+        const float *x = y + SIDE + 2 * i;
+        out[(K * SIDE + J) * SIDE + i] =
+            a == 0 ? x[0] + 0.5F * (x[-1] + x[1]) : 0.75F * (x[0] + x[1]) + 0.25F * (x[-1] + x[2]);
       }
-      const Lane_f sum = gather4(shift_down_f(v[0], v[1]), v[1], shift_up_f(v[1], v[2]),
-                                 shift_two(v[1], v[2]), a == 0);
-      *(Half *)(out + (K * SIDE + J) * SIDE) = __builtin_shufflevector(sum, sum, EVEN);
     }
   }
 }
 
-LTH_CLONES
 static void restrict_to(const LthFastLevel *fine, const LthFastLevel *coarse, LitheIndex block) {
   _Alignas(64) float sum[BLOCK];
   LitheIndex later[CHILDREN];

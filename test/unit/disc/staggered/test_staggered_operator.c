@@ -96,10 +96,25 @@ static double largest(const LthSparseGrid *g, double *const u[3]) {
   return most;
 }
 
+/// Take the kernels of an instruction set on all levels; false where this processor does not have it.
+static bool take_kernels(Fixture *F, int isa) {
+  for (int l = 0; l < F->M->n_levels; l++) {
+    LthFastLevel *L = &F->M->level[l];
+    const LthFastKernels *kernels = lth_fast_kernels_for(L->grid->dim, (LthIsa)isa);
+    if (!kernels) return false;
+    L->kernels = kernels;
+  }
+  return true;
+}
+
 static void matrix_free_operator_is_the_plain_one_to_rounding(void **state) {
   (void)state;
-  for (int c = 0; c < N_CASES; c++) {
-    Fixture F = fixture(&cases[c]);
+  for (int c = 0; c < N_CASES * LTH_N_ISAS; c++) {
+    Fixture F = fixture(&cases[c / LTH_N_ISAS]);
+    if (!take_kernels(&F, c % LTH_N_ISAS)) {
+      fixture_free(&F);
+      continue;
+    }
     const LthSparseGrid *g = F.shape.grid;
     double *u[3], *y[3], *x = lth_alloc(F.ctx, F.n, 8), *Ax = lth_alloc(F.ctx, F.n, 8);
     uint64_t seed = 5;
@@ -137,7 +152,7 @@ static double fast_at(const LthFastLevel *L, LthFastVector v, int a, LitheCount 
 
 static void check_level(Fixture *F, int l, double cm, double ck) {
   LthFastLevel *L = &F->M->level[l];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   double *u[3], *b[3], *y[3];
   uint64_t seed = 11;
   shape_vectors(&F->shape, L->grid, u);
@@ -186,7 +201,8 @@ static void single_precision_rows_agree_on_every_level(void **state) {
     Fixture F = fixture(&cases[c]);
     for (int k = 0; k < 2; k++) {
       CHECK_OK(F.ctx, lth_staggered_multigrid_prepare(F.ctx, F.M, 300 * k, 0.7));
-      for (int l = 0; l < F.M->n_levels; l++) check_level(&F, l, 300 * k, 0.7);
+      for (int isa = 0; isa < LTH_N_ISAS && take_kernels(&F, isa); isa++)
+        for (int l = 0; l < F.M->n_levels; l++) check_level(&F, l, 300 * k, 0.7);
     }
     fixture_free(&F);
   }
@@ -194,7 +210,7 @@ static void single_precision_rows_agree_on_every_level(void **state) {
 
 static void check_transfer(Fixture *F, int l) {
   LthFastLevel *L = &F->M->level[l], *C = &F->M->level[l + 1];
-  const LthFastKernels *k = lth_fast_kernels(L);
+  const LthFastKernels *k = L->kernels;
   double *u[3], *r[3], *Pu[3], *Rr[3];
   uint64_t seed = 13;
   shape_vectors(&F->shape, L->grid, r);
@@ -229,7 +245,8 @@ static void fast_transfers_are_the_plain_ones(void **state) {
   for (int c = 0; c < N_CASES; c++) {
     Fixture F = fixture(&cases[c]);
     CHECK_OK(F.ctx, lth_staggered_multigrid_prepare(F.ctx, F.M, 0, 1));
-    for (int l = 0; l + 1 < F.M->n_levels; l++) check_transfer(&F, l);
+    for (int isa = 0; isa < LTH_N_ISAS && take_kernels(&F, isa); isa++)
+      for (int l = 0; l + 1 < F.M->n_levels; l++) check_transfer(&F, l);
     fixture_free(&F);
   }
 }
