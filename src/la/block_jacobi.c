@@ -2,13 +2,10 @@
 #include "la/krylov.h"
 
 #include "base/clones.h"
+#include "la/quad.h"
 
 #include <omp.h>
 #include <string.h>
-
-#define LANES 4
-
-typedef double Lane __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 
 // Inverses are kept whole instead of as triangular factors: products with small dense blocks run at the
 // speed of memory, while substitution in blocks of 12 waits for every division.
@@ -57,25 +54,41 @@ void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M) {
 /// As lth_block_matrix_is_large(): inverses are read like a product's blocks.
 static bool is_large(const LthBlockJacobi *M) { return M->inv_off[M->n_rows] > 50000; }
 
+/// y -= a x
+LTH_QUAD_INLINE void subtract(int n, double a, const double *restrict x, double *restrict y) {
+  int c = 0;
+#pragma GCC unroll 4
+  for (; c + 4 <= n; c += 4) *(LthQuad *)(y + c) -= a * LTH_QUAD(x + c);
+  for (; c < n; c++) y[c] -= a * x[c];
+}
+
 /// B = B^-1 in place by symmetric elimination without exchange, which is stable for definite B. The
 /// pivots are those of L D L^T: B is definite exactly where all are positive.
-LTH_CLONES
-static bool invert(double *restrict B, int n) {
+LTH_QUAD_INLINE bool invert(int n, double *B) {
   for (int k = 0; k < n; k++) {
-    double *restrict pivot_row = B + (size_t)k * (size_t)n;
+    double *pivot_row = B + (size_t)k * (size_t)n;
     if (!(pivot_row[k] > 0)) return false;
     double inverse = 1 / pivot_row[k];
-    pivot_row[k] = 1;
     for (int c = 0; c < n; c++) pivot_row[c] *= inverse;
+    pivot_row[k] = inverse;
     for (int r = 0; r < n; r++) {
       if (r == k) continue;
-      double *restrict row = B + (size_t)r * (size_t)n;
+      double *row = B + (size_t)r * (size_t)n;
       double factor = row[k];
-      row[k] = 0;
-      for (int c = 0; c < n; c++) row[c] -= factor * pivot_row[c];
+      subtract(n, factor, pivot_row, row);
+      row[k] =
+          0 -
+          factor *
+              inverse; // last: a vector that is read right after one of its numbers was written waits
     }
   }
   return true;
+}
+
+/// The common size is compiled with constant trip counts.
+LTH_CLONES
+static bool invert_sized(int n, double *B) {
+  return n == LTH_TWELVE ? invert(LTH_TWELVE, B) : invert(n, B);
 }
 
 /// Rounding leaves the inverse a little unsymmetric, which conjugate gradients would not forgive.
@@ -95,7 +108,7 @@ static bool update_row(LthBlockJacobi *M, const LthBlockMatrix *A, LitheIndex ro
   memcpy(B, A->values + A->value_off[A->diagonal[row]], sizeof *B * (size_t)size);
   if (extra)
     for (LitheCount i = 0; i < size; i++) B[i] += extra[M->inv_off[row] + i];
-  if (!invert(B, m)) return false;
+  if (!invert_sized(m, B)) return false;
   symmetrize(B, m);
   return true;
 }
@@ -114,20 +127,14 @@ LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthB
   return LITHE_OK;
 }
 
-#define TWELVE 12
-
 /// As apply_block() for n = 12, to the bit.
 LTH_CLONES
 static void apply_block_12(const double *restrict B, const double *restrict r, double *restrict z) {
-  const Lane r0 = *(const Lane *)r, r1 = *(const Lane *)(r + 4), r2 = *(const Lane *)(r + 8);
-#pragma GCC unroll 12
-  for (int i = 0; i < TWELVE; i++) {
-    Lane s = {0};
-    s += *(const Lane *)(B + TWELVE * i) * r0;
-    s += *(const Lane *)(B + TWELVE * i + 4) * r1;
-    s += *(const Lane *)(B + TWELVE * i + 8) * r2;
-    z[i] = (s[0] + s[1]) + (s[2] + s[3]);
-  }
+  LthQuad12 s;
+  lth_quad12_zero(&s);
+  lth_quad12_add(B, r, &s);
+#pragma GCC unroll 3
+  for (int i = 0; i < LTH_TWELVE; i += 4) lth_quad_sums(s.row + i, (LthQuad *)(z + i));
 }
 
 /// z = B r for a symmetric dense block.
@@ -136,12 +143,12 @@ static void apply_block(int n, const double *restrict B, const double *restrict 
                         double *restrict z) {
   for (int i = 0; i < n; i++) {
     const double *b = B + (size_t)i * (size_t)n;
-    Lane s = {0};
+    LthQuad s = {0};
     double t = 0;
     int c = 0;
-    for (; c + LANES <= n; c += LANES) s += *(const Lane *)(b + c) * *(const Lane *)(r + c);
+    for (; c + 4 <= n; c += 4) s += LTH_QUAD(b + c) * LTH_QUAD(r + c);
     for (; c < n; c++) t += b[c] * r[c];
-    z[i] = (s[0] + s[1]) + (s[2] + s[3]) + t;
+    z[i] = lth_quad_sum(&s) + t;
   }
 }
 
@@ -150,7 +157,7 @@ void lth_block_jacobi_apply_row(const LthBlockJacobi *M, LitheIndex row, const d
   const double *B = M->inv + M->inv_off[row];
   const LitheCount at = M->row_off[row];
   const int n = (int)(M->row_off[row + 1] - at);
-  if (n == TWELVE)
+  if (n == LTH_TWELVE)
     apply_block_12(B, r + at, z + at);
   else
     apply_block(n, B, r + at, z + at);

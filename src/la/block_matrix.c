@@ -3,16 +3,12 @@
 
 #include "base/clones.h"
 #include "la/krylov.h"
+#include "la/quad.h"
 
 #include <math.h>
 #include <omp.h>
 #include <stdatomic.h>
 #include <string.h>
-
-#define LANES 4
-
-// four doubles at any address; a compiler without wide registers splits them
-typedef double Lane __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 
 static LitheIndex block_size(const LthBlockMatrix *A, LitheIndex row) {
   return (LitheIndex)(A->row_off[row + 1] - A->row_off[row]);
@@ -136,47 +132,34 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
   return first < A->block_off[row + 1] && A->block_col[first] == col ? first : -1;
 }
 
-static inline double lane_sum(const Lane *s) { return ((*s)[0] + (*s)[1]) + ((*s)[2] + (*s)[3]); }
-
-#define TWELVE 12
-
 static bool is_twelve(const LthBlockMatrix *A, LitheIndex row) {
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
-    if (block_size(A, A->block_col[e]) != TWELVE) return false;
-  return block_size(A, row) == TWELVE;
+    if (block_size(A, A->block_col[e]) != LTH_TWELVE) return false;
+  return block_size(A, row) == LTH_TWELVE;
 }
 
-/// As apply_row(), to the bit, where all blocks are 12 x 12 (linear dg): a block is read from its first value to
-/// its last.
+/// As apply_row(), to the bit, where all blocks are 12 x 12.
 LTH_CLONES
 static void apply_row_12(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                          const double *restrict x, double *restrict y) {
-  Lane s[TWELVE];
-  for (int r = 0; r < TWELVE; r++) s[r] = (Lane){0};
-  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
-    if (e == skip) continue;
-    const double *restrict B = A->values + A->value_off[e], *xc = x + A->row_off[A->block_col[e]];
-    const Lane x0 = *(const Lane *)xc, x1 = *(const Lane *)(xc + 4), x2 = *(const Lane *)(xc + 8);
-#pragma GCC unroll 12
-    for (int r = 0; r < TWELVE; r++) {
-      s[r] += *(const Lane *)(B + TWELVE * r) * x0;
-      s[r] += *(const Lane *)(B + TWELVE * r + 4) * x1;
-      s[r] += *(const Lane *)(B + TWELVE * r + 8) * x2;
-    }
-  }
-#pragma GCC unroll 12
-  for (int r = 0; r < TWELVE; r++) y[A->row_off[row] + r] = lane_sum(&s[r]);
+  LthQuad12 s;
+  lth_quad12_zero(&s);
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
+    if (e != skip) lth_quad12_add(A->values + A->value_off[e], x + A->row_off[A->block_col[e]], &s);
+  double *yr = y + A->row_off[row];
+#pragma GCC unroll 3
+  for (int r = 0; r < LTH_TWELVE; r += 4) lth_quad_sums(s.row + r, (LthQuad *)(yr + r));
 }
 
 /// y of one block row without block `skip`; three rows of every block at a time share the loads of x.
-/// Lanes are summed once at the end of the row, so short blocks cost no horizontal sums.
+/// Quads are summed once at the end of the row, so short blocks cost no horizontal sums.
 LTH_CLONES
 static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                       const double *restrict x, double *restrict y) {
   const LitheIndex m = block_size(A, row);
   for (LitheIndex r = 0; r < m; r += 3) {
     const LitheIndex r1 = r + 1 < m ? r + 1 : r, r2 = r + 2 < m ? r + 2 : r;
-    Lane s0 = {0}, s1 = {0}, s2 = {0};
+    LthQuad s0 = {0}, s1 = {0}, s2 = {0};
     double t0 = 0, t1 = 0, t2 = 0;
     for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
       if (e == skip) continue;
@@ -185,11 +168,11 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
       const double *b0 = B + (size_t)r * (size_t)n, *b1 = B + (size_t)r1 * (size_t)n,
                    *b2 = B + (size_t)r2 * (size_t)n, *xc = x + A->row_off[col];
       LitheIndex c = 0;
-      for (; c + LANES <= n; c += LANES) {
-        const Lane v = *(const Lane *)(xc + c);
-        s0 += *(const Lane *)(b0 + c) * v;
-        s1 += *(const Lane *)(b1 + c) * v;
-        s2 += *(const Lane *)(b2 + c) * v;
+      for (; c + 4 <= n; c += 4) {
+        const LthQuad v = LTH_QUAD(xc + c);
+        s0 += LTH_QUAD(b0 + c) * v;
+        s1 += LTH_QUAD(b1 + c) * v;
+        s2 += LTH_QUAD(b2 + c) * v;
       }
       for (; c < n; c++) {
         t0 += b0[c] * xc[c];
@@ -198,9 +181,9 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
       }
     }
     double *yr = y + A->row_off[row];
-    yr[r] = lane_sum(&s0) + t0;
-    if (r + 1 < m) yr[r + 1] = lane_sum(&s1) + t1;
-    if (r + 2 < m) yr[r + 2] = lane_sum(&s2) + t2;
+    yr[r] = lth_quad_sum(&s0) + t0;
+    if (r + 1 < m) yr[r + 1] = lth_quad_sum(&s1) + t1;
+    if (r + 2 < m) yr[r + 2] = lth_quad_sum(&s2) + t2;
   }
 }
 

@@ -1,14 +1,8 @@
 /// Galerkin products: P^T A P column by column, and the leading unknowns of block rows.
 #include "la/ml_priv.h"
 
-#include "base/clones.h"
-
 #include <omp.h>
 #include <string.h>
-
-#define WIDE 8
-
-typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
 
 /// Neighbours of a row that are not yet in the list.
 static LitheIndex add_row(const LthBlockMatrix *A, LitheIndex row, LitheIndex n, LitheIndex *slot,
@@ -63,7 +57,7 @@ static LitheStatus make_scratch(LitheCtx *ctx, const LthBlockMatrix *A, LitheInd
                                 LthGalerkin *g) {
   LitheCount block = 0;
   for (LitheIndex i = 0; i < A->n_rows; i++)
-    if (lth_ml_size(A, i) * WIDE > block) block = lth_ml_size(A, i) * WIDE;
+    if (lth_ml_size(A, i) * LTH_ML_PADDED > block) block = lth_ml_size(A, i) * LTH_ML_PADDED;
   bool fits = g->slot && g->threads == lth_threads(ctx) && g->n_rows >= A->n_rows &&
               g->most >= most && g->block >= block;
   if (fits) return LITHE_OK;
@@ -126,60 +120,24 @@ done:
   return status;
 }
 
-/// to (m x 8) = B (m x n), zeros behind.
-static void pad(int m, int n, const float *restrict B, double *restrict to) {
-  memset(to, 0, sizeof *to * (size_t)(WIDE * m));
-  for (int r = 0; r < m; r++)
-    for (int c = 0; c < n; c++) to[WIDE * r + c] = B[r * n + c];
-}
-
-/// T (n x 8) += B^T Q, B (m x n), Q (m x 8).
-LTH_CLONES
-static void add_transposed(int m, int n, const double *restrict B, const double *restrict Q,
-                           double *restrict T) {
-  int c = 0;
-  for (; c + 3 <= n; c += 3) {
-    Wide t0 = {0}, t1 = {0}, t2 = {0};
-    for (int k = 0; k < m; k++) {
-      const Wide q = *(const Wide *)(Q + WIDE * k);
-      t0 += B[k * n + c] * q;
-      t1 += B[k * n + c + 1] * q;
-      t2 += B[k * n + c + 2] * q;
-    }
-    *(Wide *)(T + WIDE * c) += t0;
-    *(Wide *)(T + WIDE * (c + 1)) += t1;
-    *(Wide *)(T + WIDE * (c + 2)) += t2;
-  }
-  for (; c < n; c++) {
-    Wide t = {0};
-    for (int k = 0; k < m; k++) t += B[k * n + c] * *(const Wide *)(Q + WIDE * k);
-    *(Wide *)(T + WIDE * c) += t;
-  }
-}
-
 /// C (n x nj) += P^T T, P (m x n), T (m x 8).
-LTH_CLONES
-static void add_outer(int m, int n, int nj, const float *restrict P, const double *restrict T,
-                      double *restrict C) {
-  Wide sum[LTH_ML_MODES];
-  for (int a = 0; a < n; a++) sum[a] = (Wide){0};
-  if (n == LTH_ML_MODES)
-    for (int k = 0; k < m; k++)
-      for (int a = 0; a < LTH_ML_MODES; a++)
-        sum[a] += (double)P[k * LTH_ML_MODES + a] * *(const Wide *)(T + WIDE * k);
-  else
-    for (int k = 0; k < m; k++)
-      for (int a = 0; a < n; a++) sum[a] += (double)P[k * n + a] * *(const Wide *)(T + WIDE * k);
+static void add_outer(int m, int n, int nj, const float *P, const double *T, double *C) {
+  double padded[LTH_ML_ROW * LTH_ML_PADDED], sum[LTH_ML_MODES * LTH_ML_PADDED] = {0};
+  lth_ml_pad(m, n, P, padded);
+  lth_ml_add_product(n, m, padded, 1, LTH_ML_PADDED, T, sum);
   for (int a = 0; a < n; a++)
-    for (int b = 0; b < nj; b++) C[a * nj + b] += sum[a][b];
+    for (int b = 0; b < nj; b++) C[a * nj + b] += sum[LTH_ML_PADDED * a + b];
 }
 
 /// The rows of a product with P, in the order of `slot`, take what row i of A^T = A gives them.
 static void multiply_row(const LthBlockMatrix *A, LitheIndex i, const double *Q,
                          const LitheIndex *slot, LitheCount block, double *product) {
-  for (LitheCount e = A->block_off[i]; e < A->block_off[i + 1]; e++)
-    add_transposed(lth_ml_size(A, i), lth_ml_size(A, A->block_col[e]), A->values + A->value_off[e],
-                   Q, product + slot[A->block_col[e]] * block);
+  for (LitheCount e = A->block_off[i]; e < A->block_off[i + 1]; e++) {
+    const LitheIndex col = A->block_col[e];
+    const int n = lth_ml_size(A, col);
+    lth_ml_add_product(n, lth_ml_size(A, i), A->values + A->value_off[e], 1, n, Q,
+                       product + slot[col] * block);
+  }
 }
 
 /// Column J of the coarse matrix, the blocks on and above the diagonal: first A P, then P^T of that.
@@ -187,14 +145,14 @@ static void fill_column(const LthLevel *fine, LitheIndex J, LitheIndex *slot, Li
                         double *product, LitheCount block, LthBlockMatrix *coarse) {
   const LthBlockMatrix *A = fine->A;
   const LthTransfer *P = fine->P;
-  double Q[LTH_ML_ROW * WIDE];
+  double Q[LTH_ML_ROW * LTH_ML_PADDED];
   const LitheIndex n = reach(fine, J, slot, list);
   const int nj = (int)(P->col_off[J + 1] - P->col_off[J]);
   memset(product, 0, sizeof *product * (size_t)(n * block));
   for (LitheCount t = P->twin_off[J]; t < P->twin_off[J + 1]; t++) {
     const LitheIndex i = P->twin_row[t];
     const int m = lth_ml_size(A, i);
-    pad(m, nj, P->values + P->value_off[P->twin[t]], Q);
+    lth_ml_pad(m, nj, P->values + P->value_off[P->twin[t]], Q);
     multiply_row(A, i, Q, slot, block, product);
     if (fine->touch) multiply_row(fine->touch, i, Q, slot, block, product);
   }

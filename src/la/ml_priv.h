@@ -4,6 +4,7 @@
 #include "la/multilevel.h"
 
 #define LTH_ML_MODES 6   ///< rigid motions: the most unknowns of an aggregate
+#define LTH_ML_PADDED 8  ///< doubles of a padded row of up to LTH_ML_MODES columns
 #define LTH_ML_STEPS 2   ///< of the prolongation's smoothing
 #define LTH_ML_LEVELS 16 ///< more than any mesh in memory needs
 #define LTH_ML_ROW 105   ///< most unknowns of a block row: degree 4, three components
@@ -130,6 +131,15 @@ void lth_ml_tentative(LthLevel *fine, int threads, const LitheCount *col_off, do
 
 /// P = the polynomial in D^-1 A of the tentative prolongation, stage after stage.
 void lth_ml_smooth_prolongator(LthLevel *fine, const LthGalerkin *g);
+
+// ml_padded.c
+
+/// to (m x 8) = B (m x n), zeros behind.
+void lth_ml_pad(int m, int n, const float *B, double *to);
+
+/// W (m x 8) += B Q, Q (n x 8); B_rk is B[r * row_stride + k * col_stride].
+void lth_ml_add_product(int m, int n, const double *B, LitheCount row_stride, LitheCount col_stride,
+                        const double *Q, double *W);
 
 // ml_galerkin.c
 

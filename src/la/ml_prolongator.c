@@ -1,13 +1,10 @@
 /// Smoothed prolongation of rigid motions (Vanek, Mandel and Brezina 1996; Vanek, Brezina and Mandel 2001).
 #include "la/ml_priv.h"
 
-#include "base/clones.h"
-
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-#define WIDE 8
 #define DEPENDENT 1e-9 // a motion that the others leave so small a part of is none of its own
 
 #define SAFETY 1.05 // power steps find the spectral radius from below
@@ -15,9 +12,6 @@
 // Chebyshev's roots of degree two on [0.3, 1]: the steps damp what the aggregates' edges hold and leave their
 // motions smooth. One step (root 3/4) takes a quarter more iterations on sliced meshes, a third more at degree 2.
 static const double root[LTH_ML_STEPS] = {0.4025126265847084, 0.8974873734152916};
-
-// a row of up to six columns, padded
-typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
 
 static void list_members(LthLevel *fine) {
   LitheIndex n_rows = fine->A->n_rows;
@@ -122,31 +116,6 @@ static void copy_tentative(const LthLevel *l, int threads, LthTransfer *Q) {
     }
 }
 
-/// W (m x 8) += B (m x n) Q (n x 8).
-LTH_CLONES
-static void add_product(int m, int n, const double *restrict B, const double *restrict Q,
-                        double *restrict W) {
-  int r = 0;
-  for (; r + 3 <= m; r += 3) {
-    const double *b0 = B + r * n, *b1 = b0 + n, *b2 = b1 + n;
-    Wide w0 = {0}, w1 = {0}, w2 = {0};
-    for (int k = 0; k < n; k++) {
-      const Wide q = *(const Wide *)(Q + WIDE * k);
-      w0 += b0[k] * q;
-      w1 += b1[k] * q;
-      w2 += b2[k] * q;
-    }
-    *(Wide *)(W + WIDE * r) += w0;
-    *(Wide *)(W + WIDE * (r + 1)) += w1;
-    *(Wide *)(W + WIDE * (r + 2)) += w2;
-  }
-  for (; r < m; r++) {
-    Wide w = {0};
-    for (int k = 0; k < n; k++) w += B[r * n + k] * *(const Wide *)(Q + WIDE * k);
-    *(Wide *)(W + WIDE * r) += w;
-  }
-}
-
 static inline int columns(const LthTransfer *P, LitheCount e) {
   return (int)(P->col_off[P->block_col[e] + 1] - P->col_off[P->block_col[e]]);
 }
@@ -155,34 +124,35 @@ static inline int columns(const LthTransfer *P, LitheCount e) {
 static void subtract(int m, int n, const float *in, double damping, const double *W, float *out) {
   for (int r = 0; r < m; r++)
     for (int c = 0; c < n; c++)
-      out[r * n + c] = (float)((in ? in[r * n + c] : 0) - damping * W[WIDE * r + c]);
+      out[r * n + c] = (float)((in ? in[r * n + c] : 0) - damping * W[LTH_ML_PADDED * r + c]);
 }
 
 /// One row of P - damping D^-1 A P; W has room for a padded block of every column of the row.
 static void smooth_row(const LthLevel *l, LitheIndex row, const LthTransfer *in, double damping,
                        double *W, LthTransfer *out) {
-  double Q[LTH_ML_ROW * WIDE] = {0};
+  double Q[LTH_ML_ROW * LTH_ML_PADDED];
   const LthBlockMatrix *A = l->A;
   const int m = lth_ml_size(A, row);
   const LitheCount first = out->block_off[row], last = out->block_off[row + 1];
-  memset(W, 0, sizeof *W * (size_t)((last - first) * m * WIDE));
+  memset(W, 0, sizeof *W * (size_t)((last - first) * m * LTH_ML_PADDED));
   for (LitheCount a = A->block_off[row]; a < A->block_off[row + 1]; a++) {
     const LitheIndex j = A->block_col[a];
     LitheCount at = first; // both lists ascend
     for (LitheCount e = in->block_off[j]; e < in->block_off[j + 1]; e++) {
       const int n = columns(in, e), rows = lth_ml_size(A, j);
       while (out->block_col[at] < in->block_col[e]) at++;
-      for (int r = 0; r < rows; r++)
-        for (int c = 0; c < n; c++) Q[WIDE * r + c] = in->values[in->value_off[e] + r * n + c];
-      add_product(m, rows, A->values + A->value_off[a], Q, W + (at - first) * m * WIDE);
+      lth_ml_pad(rows, n, in->values + in->value_off[e], Q);
+      lth_ml_add_product(m, rows, A->values + A->value_off[a], rows, 1, Q,
+                         W + (at - first) * m * LTH_ML_PADDED);
     }
   }
   LitheCount own = in->block_off[row];
   for (LitheCount e = first; e < last; e++) {
     while (own < in->block_off[row + 1] && in->block_col[own] < out->block_col[e]) own++;
     bool has = own < in->block_off[row + 1] && in->block_col[own] == out->block_col[e];
-    memset(Q, 0, sizeof *Q * (size_t)(m * WIDE));
-    add_product(m, m, lth_block_jacobi_inverse(l->jacobi, row), W + (e - first) * m * WIDE, Q);
+    memset(Q, 0, sizeof *Q * (size_t)(m * LTH_ML_PADDED));
+    lth_ml_add_product(m, m, lth_block_jacobi_inverse(l->jacobi, row), m, 1,
+                       W + (e - first) * m * LTH_ML_PADDED, Q);
     subtract(m, columns(out, e), has ? in->values + in->value_off[own] : NULL, damping, Q,
              out->values + out->value_off[e]);
   }

@@ -2,17 +2,15 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
+#include "la/quad.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-#define LANES 4
 #define LOWEST                                                                                     \
   0.3 // of the polynomial's interval, of which 1 is the end; see docs/theory/multigrid.md
 #define POWER_STEPS 12
-
-typedef double Lane __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 
 void lth_ml_free_colours(LitheCtx *ctx, LthColours *c) {
   lth_free(ctx, c->colour);
@@ -74,36 +72,27 @@ done:
   return status;
 }
 
-static inline double lane_sum(const Lane *s) { return ((*s)[0] + (*s)[1]) + ((*s)[2] + (*s)[3]); }
-
-#define LANE_AT(from) (*(const Lane *)(from))
-#define TWELVE 12
-
-/// As row_residual() where all blocks are 12 x 12: a block is read from its first value to its last.
+/// As row_residual() where all blocks are 12 x 12.
 LTH_CLONES
 static void row_residual_12(const LthLevel *l, LitheIndex row, int low, int high, int skip,
                             const double *restrict b, const double *restrict x,
                             double *restrict y) {
   const LthBlockMatrix *A = l->A;
   const int *restrict colour = l->colours.colour;
-  Lane s[TWELVE];
-  for (int r = 0; r < TWELVE; r++) s[r] = (Lane){0};
+  LthQuad12 s;
+  lth_quad12_zero(&s);
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
     const LitheIndex col = A->block_col[e];
     if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
-    const double *restrict B = A->values + A->value_off[e];
-    const double *xc = x + A->row_off[col];
-    const Lane x0 = *(const Lane *)xc, x1 = *(const Lane *)(xc + 4), x2 = *(const Lane *)(xc + 8);
-#pragma GCC unroll 12
-    for (int r = 0; r < TWELVE; r++) {
-      s[r] += LANE_AT(B + TWELVE * r) * x0;
-      s[r] += LANE_AT(B + TWELVE * r + 4) * x1;
-      s[r] += LANE_AT(B + TWELVE * r + 8) * x2;
-    }
+    lth_quad12_add(A->values + A->value_off[e], x + A->row_off[col], &s);
   }
   const LitheCount at = A->row_off[row];
-#pragma GCC unroll 12
-  for (int r = 0; r < TWELVE; r++) y[at + r] = (b ? b[at + r] : 0) - lane_sum(&s[r]);
+#pragma GCC unroll 3
+  for (int r = 0; r < LTH_TWELVE; r += 4) {
+    LthQuad sums;
+    lth_quad_sums(s.row + r, &sums);
+    *(LthQuad *)(y + at + r) = (b ? LTH_QUAD(b + at + r) : (LthQuad){0}) - sums;
+  }
 }
 
 #define SIX 6
@@ -114,28 +103,28 @@ static void row_residual_6(const LthLevel *l, LitheIndex row, int low, int high,
                            const double *restrict b, const double *restrict x, double *restrict y) {
   const LthBlockMatrix *A = l->A;
   const int *restrict colour = l->colours.colour;
-  Lane s[9];
-  for (int r = 0; r < 9; r++) s[r] = (Lane){0};
+  LthQuad s[9];
+#pragma GCC unroll 9
+  for (int r = 0; r < 9; r++) s[r] = (LthQuad){0};
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
     const LitheIndex col = A->block_col[e];
     if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
     const double *restrict B = A->values + A->value_off[e];
     const double *xc = x + A->row_off[col];
-    const Lane x0 = *(const Lane *)xc, x1 = {xc[4], xc[5], xc[0], xc[1]},
-               x2 = *(const Lane *)(xc + 2);
+    const LthQuad x0 = LTH_QUAD(xc), x1 = {xc[4], xc[5], xc[0], xc[1]}, x2 = LTH_QUAD(xc + 2);
 #pragma GCC unroll 3
     for (int r = 0; r < 3; r++) {
-      s[3 * r] += LANE_AT(B + 2 * SIX * r) * x0;
-      s[3 * r + 1] += LANE_AT(B + 2 * SIX * r + 4) * x1;
-      s[3 * r + 2] += LANE_AT(B + 2 * SIX * r + 8) * x2;
+      s[3 * r] += LTH_QUAD(B + 2 * SIX * r) * x0;
+      s[3 * r + 1] += LTH_QUAD(B + 2 * SIX * r + 4) * x1;
+      s[3 * r + 2] += LTH_QUAD(B + 2 * SIX * r + 8) * x2;
     }
   }
   const LitheCount at = A->row_off[row];
 #pragma GCC unroll 3
   for (int r = 0; r < 3; r++) {
-    const Lane *t = s + 3 * r;
-    const double first = lane_sum(&t[0]) + (t[1][0] + t[1][1]);
-    const double second = (t[1][2] + t[1][3]) + lane_sum(&t[2]);
+    const LthQuad *t = s + 3 * r;
+    const double first = lth_quad_sum(&t[0]) + (t[1][0] + t[1][1]);
+    const double second = (t[1][2] + t[1][3]) + lth_quad_sum(&t[2]);
     y[at + 2 * r] = (b ? b[at + 2 * r] : 0) - first;
     y[at + 2 * r + 1] = (b ? b[at + 2 * r + 1] : 0) - second;
   }
@@ -148,7 +137,7 @@ static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, i
                          const double *restrict b, const double *restrict x, double *restrict y) {
   const LthBlockMatrix *A = l->A;
   const int *restrict colour = l->colours.colour;
-  if (l->size == TWELVE) {
+  if (l->size == LTH_TWELVE) {
     row_residual_12(l, row, low, high, skip, b, x, y);
     return;
   }
@@ -159,7 +148,7 @@ static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, i
   const LitheIndex m = lth_ml_size(A, row);
   for (LitheIndex r = 0; r < m; r += 3) {
     const LitheIndex r1 = r + 1 < m ? r + 1 : r, r2 = r + 2 < m ? r + 2 : r;
-    Lane s0 = {0}, s1 = {0}, s2 = {0};
+    LthQuad s0 = {0}, s1 = {0}, s2 = {0};
     double t0 = 0, t1 = 0, t2 = 0;
     for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
       const LitheIndex col = A->block_col[e];
@@ -169,11 +158,11 @@ static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, i
       const double *b0 = B + (size_t)r * (size_t)n, *b1 = B + (size_t)r1 * (size_t)n,
                    *b2 = B + (size_t)r2 * (size_t)n, *xc = x + A->row_off[col];
       LitheIndex c = 0;
-      for (; c + LANES <= n; c += LANES) {
-        const Lane v = *(const Lane *)(xc + c);
-        s0 += *(const Lane *)(b0 + c) * v;
-        s1 += *(const Lane *)(b1 + c) * v;
-        s2 += *(const Lane *)(b2 + c) * v;
+      for (; c + 4 <= n; c += 4) {
+        const LthQuad v = LTH_QUAD(xc + c);
+        s0 += LTH_QUAD(b0 + c) * v;
+        s1 += LTH_QUAD(b1 + c) * v;
+        s2 += LTH_QUAD(b2 + c) * v;
       }
       for (; c < n; c++) {
         t0 += b0[c] * xc[c];
@@ -182,9 +171,9 @@ static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, i
       }
     }
     const LitheCount at = A->row_off[row] + r;
-    y[at] = (b ? b[at] : 0) - (lane_sum(&s0) + t0);
-    if (r + 1 < m) y[at + 1] = (b ? b[at + 1] : 0) - (lane_sum(&s1) + t1);
-    if (r + 2 < m) y[at + 2] = (b ? b[at + 2] : 0) - (lane_sum(&s2) + t2);
+    y[at] = (b ? b[at] : 0) - (lth_quad_sum(&s0) + t0);
+    if (r + 1 < m) y[at + 1] = (b ? b[at + 1] : 0) - (lth_quad_sum(&s1) + t1);
+    if (r + 2 < m) y[at + 2] = (b ? b[at + 2] : 0) - (lth_quad_sum(&s2) + t2);
   }
 }
 

@@ -2,16 +2,14 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
+#include "la/quad.h"
 
 #include <omp.h>
 #include <string.h>
 
-#define WIDE 8
+typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
 
-typedef double Wide __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));
-typedef float Narrow __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
-
-#define WIDEN(from) __builtin_convertvector(*(const Narrow *)(from), Wide)
+#define WIDEN(from) __builtin_convertvector(*(const Four *)(from), LthQuad)
 
 void lth_ml_transfer_destroy(LitheCtx *ctx, LthTransfer **transfer) {
   if (!transfer || !*transfer) return;
@@ -99,7 +97,7 @@ static LitheStatus create(LitheCtx *ctx, LitheIndex n_rows, const LitheCount *ro
 static LitheStatus finish(LitheCtx *ctx, LthTransfer *P) {
   fill_offsets(P);
   list_twins(P);
-  LTH_NEW(ctx, P->values, P->value_off[P->block_off[P->n_rows]] + WIDE); // add_rows() reads beyond
+  LTH_NEW(ctx, P->values, P->value_off[P->block_off[P->n_rows]] + 2); // add_rows() reads beyond
   return LITHE_OK;
 }
 
@@ -156,39 +154,64 @@ static bool is_large(const LthTransfer *P) {
   return P->value_off[P->block_off[P->n_rows]] > 150000;
 }
 
-/// sum (8) += B^T r, B (m x 6): rows are read as eight, of which two are the next row's and count for nothing.
-static inline void add_rows(LitheCount m, const float *restrict B, const double *restrict r,
-                            Wide *sum) {
-  Wide even = *sum, odd = {0};
-  LitheCount i = 0;
-  for (; i + 2 <= m; i += 2, B += 2 * LTH_ML_MODES) {
-    even += r[i] * WIDEN(B);
-    odd += r[i + 1] * WIDEN(B + LTH_ML_MODES);
-  }
-  if (i < m) even += r[i] * WIDEN(B);
-  *sum = even + odd;
+/// A row of six columns: those from the fifth on are the next row's and count for nothing.
+typedef struct Row {
+  LthQuad low, high;
+} Row;
+
+static inline void add_row(double factor, const float *B, Row *sum) {
+  sum->low += factor * WIDEN(B);
+  sum->high += factor * WIDEN(B + 4);
 }
 
+/// sum += B^T r, B (m x 6).
+static inline void add_rows(LitheCount m, const float *restrict B, const double *restrict r,
+                            Row *sum) {
+  Row odd = {0};
+  LitheCount i = 0;
+  for (; i + 2 <= m; i += 2, B += 2 * LTH_ML_MODES) {
+    add_row(r[i], B, sum);
+    add_row(r[i + 1], B + LTH_ML_MODES, &odd);
+  }
+  if (i < m) add_row(r[i], B, sum);
+  sum->low += odd.low;
+  sum->high += odd.high;
+}
+
+/// b = P^T r in a block column of six columns.
 LTH_CLONES
+static void restrict_column_6(const LthTransfer *P, LitheIndex col, const double *restrict r,
+                              double *restrict b) {
+  Row sum = {0};
+  for (LitheCount t = P->twin_off[col]; t < P->twin_off[col + 1]; t++) {
+    const LitheCount first = P->row_off[P->twin_row[t]], last = P->row_off[P->twin_row[t] + 1];
+    add_rows(last - first, P->values + P->value_off[P->twin[t]], r + first, &sum);
+  }
+  *(LthQuad *)b = sum.low;
+  b[4] = sum.high[0];
+  b[5] = sum.high[1];
+}
+
+/// The same for fewer columns.
 static void restrict_column(const LthTransfer *P, LitheIndex col, const double *restrict r,
                             double *restrict b) {
   const int n = (int)(P->col_off[col + 1] - P->col_off[col]);
-  Wide sum = {0};
+  for (int c = 0; c < n; c++) b[c] = 0;
   for (LitheCount t = P->twin_off[col]; t < P->twin_off[col + 1]; t++) {
     const float *restrict B = P->values + P->value_off[P->twin[t]];
     const LitheCount first = P->row_off[P->twin_row[t]], last = P->row_off[P->twin_row[t] + 1];
-    if (n == LTH_ML_MODES)
-      add_rows(last - first, B, r + first, &sum);
-    else
-      for (LitheCount i = first; i < last; i++, B += n)
-        for (int c = 0; c < n; c++) sum[c] += B[c] * r[i];
+    for (LitheCount i = first; i < last; i++, B += n)
+      for (int c = 0; c < n; c++) b[c] += B[c] * r[i];
   }
-  for (int c = 0; c < n; c++) b[P->col_off[col] + c] = sum[c];
 }
 
 void lth_ml_restrict(const LthTransfer *P, int threads, const double *r, double *b) {
 #pragma omp parallel for schedule(static) num_threads(threads) if (is_large(P))
-  for (LitheIndex col = 0; col < P->n_cols; col++) restrict_column(P, col, r, b);
+  for (LitheIndex col = 0; col < P->n_cols; col++)
+    if (P->col_off[col + 1] - P->col_off[col] == LTH_ML_MODES)
+      restrict_column_6(P, col, r, b + P->col_off[col]);
+    else
+      restrict_column(P, col, r, b + P->col_off[col]);
 }
 
 LTH_CLONES
