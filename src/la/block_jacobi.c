@@ -2,7 +2,7 @@
 #include "la/krylov.h"
 
 #include "base/clones.h"
-#include "la/quad.h"
+#include "la/block_12.h"
 
 #include <omp.h>
 #include <string.h>
@@ -54,14 +54,6 @@ void lth_block_jacobi_destroy(LitheCtx *ctx, LthBlockJacobi **M) {
 /// As lth_block_matrix_is_large(): inverses are read like a product's blocks.
 static bool is_large(const LthBlockJacobi *M) { return M->inv_off[M->n_rows] > 50000; }
 
-/// y -= a x
-LTH_QUAD_INLINE void subtract(int n, double a, const double *restrict x, double *restrict y) {
-  int c = 0;
-#pragma GCC unroll 4
-  for (; c + 4 <= n; c += 4) *(LthQuad *)(y + c) -= a * LTH_QUAD(x + c);
-  for (; c < n; c++) y[c] -= a * x[c];
-}
-
 /// B = B^-1 in place by symmetric elimination without exchange, which is stable for definite B. The
 /// pivots are those of L D L^T: B is definite exactly where all are positive.
 LTH_QUAD_INLINE bool invert(int n, double *B) {
@@ -75,7 +67,7 @@ LTH_QUAD_INLINE bool invert(int n, double *B) {
       if (r == k) continue;
       double *row = B + (size_t)r * (size_t)n;
       double factor = row[k];
-      subtract(n, factor, pivot_row, row);
+      lth_row_add(n, -factor, pivot_row, row);
       row[k] =
           0 -
           factor *
@@ -130,9 +122,9 @@ LitheStatus lth_block_jacobi_update(LitheCtx *ctx, LthBlockJacobi *M, const LthB
 /// As apply_block() for n = 12, to the bit.
 LTH_CLONES
 static void apply_block_12(const double *restrict B, const double *restrict r, double *restrict z) {
-  LthQuad12 s;
-  lth_quad12_zero(&s);
-  lth_quad12_add(B, r, &s);
+  LthRows12 s;
+  lth_rows12_zero(&s);
+  lth_rows12_add(B, r, &s);
 #pragma GCC unroll 3
   for (int i = 0; i < LTH_TWELVE; i += 4) lth_quad_sums(s.row + i, (LthQuad *)(z + i));
 }

@@ -2,8 +2,8 @@
 #include "la/block_matrix.h"
 
 #include "base/clones.h"
+#include "la/block_12.h"
 #include "la/krylov.h"
-#include "la/quad.h"
 
 #include <math.h>
 #include <omp.h>
@@ -142,10 +142,10 @@ static bool is_twelve(const LthBlockMatrix *A, LitheIndex row) {
 LTH_CLONES
 static void apply_row_12(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
                          const double *restrict x, double *restrict y) {
-  LthQuad12 s;
-  lth_quad12_zero(&s);
+  LthRows12 s;
+  lth_rows12_zero(&s);
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
-    if (e != skip) lth_quad12_add(A->values + A->value_off[e], x + A->row_off[A->block_col[e]], &s);
+    if (e != skip) lth_rows12_add(A->values + A->value_off[e], x + A->row_off[A->block_col[e]], &s);
   double *yr = y + A->row_off[row];
 #pragma GCC unroll 3
   for (int r = 0; r < LTH_TWELVE; r += 4) lth_quad_sums(s.row + r, (LthQuad *)(yr + r));

@@ -2,7 +2,7 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
-#include "la/quad.h"
+#include "base/quad.h"
 
 #define PADDED LTH_ML_PADDED
 #define MOST 6 // rows at a time: twelve sums, a row of Q and a factor fill sixteen registers

@@ -2,7 +2,7 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
-#include "la/quad.h"
+#include "la/block_12.h"
 
 #include <math.h>
 #include <omp.h>
@@ -79,12 +79,12 @@ static void row_residual_12(const LthLevel *l, LitheIndex row, int low, int high
                             double *restrict y) {
   const LthBlockMatrix *A = l->A;
   const int *restrict colour = l->colours.colour;
-  LthQuad12 s;
-  lth_quad12_zero(&s);
+  LthRows12 s;
+  lth_rows12_zero(&s);
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
     const LitheIndex col = A->block_col[e];
     if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
-    lth_quad12_add(A->values + A->value_off[e], x + A->row_off[col], &s);
+    lth_rows12_add(A->values + A->value_off[e], x + A->row_off[col], &s);
   }
   const LitheCount at = A->row_off[row];
 #pragma GCC unroll 3

@@ -2,7 +2,7 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
-#include "la/quad.h"
+#include "base/quad.h"
 
 #include <omp.h>
 #include <string.h>

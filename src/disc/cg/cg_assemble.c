@@ -3,51 +3,38 @@
 #include "disc/cg/cg_priv.h"
 
 #include "base/clones.h"
+#include "base/quad.h"
 #include "material/rotation.h"
 
-#define INLINE static inline __attribute__((always_inline))
+/// rows[a][b][j] += lambda G_ab + mu (G_ba + delta_ab tr G), G of row i laid out likewise.
+LTH_QUAD_INLINE void plain_rows(int n, const double *restrict G, double lambda, double mu,
+                                double *restrict rows) {
+  const double one[3] = {1, 1, 1};
+  double trace[LTH_CG_MAX];
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++)
+      lth_row_add2(n, lambda, G + (3 * a + b) * n, mu, G + (3 * b + a) * n, rows + (3 * a + b) * n);
+  lth_row_combine3(n, one, G, 4 * n, trace);
+  for (int a = 0; a < 3; a++) lth_row_add(n, mu, trace, rows + 4 * a * n);
+}
 
-/// rows[a][b][j] += lambda G'_ab + mu (G'_ba + delta_ab tr G'), G' = R G R^T, G of row i laid out likewise.
-INLINE void stiffness_rows(int n, const double *restrict G, const double R[9], double lambda,
-                           double mu, double *restrict rows) {
-  double half[9][LTH_CG_MAX], T[9][LTH_CG_MAX];
+/// The same for G' = R G R^T.
+LTH_QUAD_INLINE void turned_rows(int n, const double *restrict G, const double R[9], double lambda,
+                                 double mu, double *restrict rows) {
+  double half[9 * LTH_CG_MAX], turned[9 * LTH_CG_MAX];
   for (int a = 0; a < 3; a++)
     for (int d = 0; d < 3; d++)
-      for (int j = 0; j < n; j++)
-        half[3 * a + d][j] = R[3 * a] * G[d * n + j] + R[3 * a + 1] * G[(3 + d) * n + j] +
-                             R[3 * a + 2] * G[(6 + d) * n + j];
+      lth_row_combine3(n, R + 3 * a, G + d * n, 3 * n, half + (3 * a + d) * n);
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++)
-      for (int j = 0; j < n; j++)
-        T[3 * a + b][j] = R[3 * b] * half[3 * a][j] + R[3 * b + 1] * half[3 * a + 1][j] +
-                          R[3 * b + 2] * half[3 * a + 2][j];
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      for (int j = 0; j < n; j++)
-        rows[(3 * a + b) * n + j] += lambda * T[3 * a + b][j] + mu * T[3 * b + a][j];
-  for (int j = 0; j < n; j++) {
-    double trace = mu * (T[0][j] + T[4][j] + T[8][j]);
-    for (int a = 0; a < 3; a++) rows[4 * a * n + j] += trace;
-  }
+      lth_row_combine3(n, R + 3 * b, half + 3 * a * n, n, turned + (3 * a + b) * n);
+  plain_rows(n, turned, lambda, mu, rows);
 }
 
-/// The same for R = I.
-INLINE void plain_rows(int n, const double *restrict G, double lambda, double mu,
-                       double *restrict rows) {
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++)
-      for (int j = 0; j < n; j++)
-        rows[(3 * a + b) * n + j] += lambda * G[(3 * a + b) * n + j] + mu * G[(3 * b + a) * n + j];
-  for (int j = 0; j < n; j++) {
-    double trace = mu * (G[j] + G[4 * n + j] + G[8 * n + j]);
-    for (int a = 0; a < 3; a++) rows[4 * a * n + j] += trace;
-  }
-}
-
-INLINE void any_rows(int n, bool turned, const double *G, const double R[9], double lambda,
-                     double mu, double *rows) {
+LTH_QUAD_INLINE void any_rows(int n, bool turned, const double *G, const double R[9], double lambda,
+                              double mu, double *rows) {
   if (turned)
-    stiffness_rows(n, G, R, lambda, mu, rows);
+    turned_rows(n, G, R, lambda, mu, rows);
   else
     plain_rows(n, G, lambda, mu, rows);
 }

@@ -4,72 +4,61 @@
 /// over j; at the end each row is interleaved to columns 3 j + b.
 #include "disc/dg/dg_priv.h"
 
-#define INLINE static inline __attribute__((always_inline))
+#include "base/clones.h"
+#include "base/quad.h"
 
 /// block += R D R^T for all (i, j); D laid out [i][a][b][j].
-INLINE void rotate_cell(int nb, const double *restrict D, const double R[9],
-                        double *restrict block) {
+LTH_QUAD_INLINE void rotate_cell(int nb, const double *restrict D, const double R[9],
+                                 double *restrict block) {
   for (int i = 0; i < nb; i++)
     for (int a = 0; a < 3; a++) {
-      double half[3][LTH_DG_MAX_FUNCS];
-      const double *Di = D + i * 9 * nb;
+      double half[3 * LTH_DG_MAX_FUNCS];
       for (int d = 0; d < 3; d++)
-        for (int j = 0; j < nb; j++)
-          half[d][j] = R[3 * a] * Di[d * nb + j] + R[3 * a + 1] * Di[(3 + d) * nb + j] +
-                       R[3 * a + 2] * Di[(6 + d) * nb + j];
-      double *row = block + (i * 3 + a) * 3 * nb;
+        lth_row_combine3(nb, R + 3 * a, D + (i * 9 + d) * nb, 3 * nb, half + d * nb);
       for (int b = 0; b < 3; b++)
-        for (int j = 0; j < nb; j++)
-          row[b * nb + j] =
-              R[3 * b] * half[0][j] + R[3 * b + 1] * half[1][j] + R[3 * b + 2] * half[2][j];
+        lth_row_combine3(nb, R + 3 * b, half, nb, block + ((i * 3 + a) * 3 + b) * nb);
     }
 }
 
 /// block[i][a][b][j] += full_ab mass_ij + part_ab low_ij
-INLINE void add_mass(int nu, int nv, const double *restrict mass, const double full[9],
-                     const double *restrict low, const double part[9], double *restrict block) {
+LTH_QUAD_INLINE void add_mass(int nu, int nv, const double *restrict mass, const double full[9],
+                              const double *restrict low, const double part[9],
+                              double *restrict block) {
   for (int i = 0; i < nu; i++)
-    for (int ab = 0; ab < 9; ab++) {
-      double f = full[ab], p = part[ab], *row = block + (i * 9 + ab) * nv;
-      for (int j = 0; j < nv; j++) row[j] += f * mass[i * nv + j] + p * low[i * nv + j];
-    }
+    for (int ab = 0; ab < 9; ab++)
+      lth_row_add2(nv, full[ab], mass + i * nv, part[ab], low + i * nv, block + (i * 9 + ab) * nv);
 }
 
 /// block[i][a][b][j] += part_ab low_ij
-INLINE void add_low(int nu, int nv, const double *restrict low, const double part[9],
-                    double *restrict block) {
+LTH_QUAD_INLINE void add_low(int nu, int nv, const double *restrict low, const double part[9],
+                             double *restrict block) {
   for (int i = 0; i < nu; i++)
-    for (int ab = 0; ab < 9; ab++) {
-      double p = part[ab], *row = block + (i * 9 + ab) * nv;
-      for (int j = 0; j < nv; j++) row[j] += p * low[i * nv + j];
-    }
+    for (int ab = 0; ab < 9; ab++)
+      lth_row_add(nv, part[ab], low + i * nv, block + (i * 9 + ab) * nv);
 }
 
 /// One side's flux on the block of owner rows and neighbour columns; n = R_s n, g' = R_s g_ij:
 ///   side -: += lambda n_a g'_b + mu (g'_a n_b + delta_ab n.g'), and its transpose for side +.
 /// lambda and mu carry the factor -1/2.
-INLINE void add_flux(int nu, int nv, const double *restrict g, const double R[9], const double n[3],
-                     double lambda, double mu, int transposed, double *restrict block) {
+LTH_QUAD_INLINE void add_flux(int nu, int nv, const double *restrict g, const double R[9],
+                              const double n[3], double lambda, double mu, int transposed,
+                              double *restrict block) {
   for (int i = 0; i < nu; i++) {
-    double r[3][LTH_DG_MAX_FUNCS], ng[LTH_DG_MAX_FUNCS];
-    for (int b = 0; b < 3; b++)
-      for (int j = 0; j < nv; j++)
-        r[b][j] = R[3 * b] * g[i * nv + j] + R[3 * b + 1] * g[(nu + i) * nv + j] +
-                  R[3 * b + 2] * g[(2 * nu + i) * nv + j];
-    for (int j = 0; j < nv; j++) ng[j] = mu * (n[0] * r[0][j] + n[1] * r[1][j] + n[2] * r[2][j]);
+    double r[3 * LTH_DG_MAX_FUNCS], ng[LTH_DG_MAX_FUNCS];
+    for (int b = 0; b < 3; b++) lth_row_combine3(nv, R + 3 * b, g + i * nv, nu * nv, r + b * nv);
+    lth_row_combine3(nv, n, r, nv, ng);
     for (int a = 0; a < 3; a++)
       for (int b = 0; b < 3; b++) {
         double *row = block + ((i * 3 + a) * 3 + b) * nv;
         double ca = (transposed ? mu : lambda) * n[a], cb = (transposed ? lambda : mu) * n[b];
-        for (int j = 0; j < nv; j++) row[j] += ca * r[b][j] + cb * r[a][j];
-        if (a == b)
-          for (int j = 0; j < nv; j++) row[j] += ng[j];
+        lth_row_add2(nv, ca, r + b * nv, cb, r + a * nv, row);
+        if (a == b) lth_row_add(nv, mu, ng, row);
       }
   }
 }
 
 /// Rows [b][j] -> [3 j + b].
-INLINE void interleave(int rows, int nv, double *restrict block) {
+LTH_QUAD_INLINE void interleave(int rows, int nv, double *restrict block) {
   for (int r = 0; r < rows; r++) {
     double planar[3 * LTH_DG_MAX_FUNCS], *row = block + r * 3 * nv;
     memcpy(planar, row, sizeof *row * 3 * (size_t)nv);
@@ -91,7 +80,7 @@ typedef struct PairTerms {
   double lambda[2], mu[2];
 } PairTerms;
 
-INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *block) {
+LTH_QUAD_INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *block) {
   const FacePenalty *p = &t->penalty;
   add_mass(nu, nv, t->mixed, p->full, t->low[0], p->low[0], block);
   if (t->n_low > 1) add_low(nu, nv, t->low[1], p->low[1], block);
@@ -121,35 +110,33 @@ INLINE void pair_rows(int nu, int nv, int flux, const PairTerms *t, double *bloc
     break;                                                                                         \
   }
 
-LTH_DG_CLONES static void rotate_cell_sized(int nb, const double *D, const double R[9],
-                                            double *block){
+LTH_CLONES static void rotate_cell_sized(int nb, const double *D, const double R[9], double *block){
 #define CALL(n) rotate_cell(n, D, R, block)
     BY_SIZE(nb, CALL)
 #undef CALL
 }
 
-LTH_DG_CLONES static void add_mass_sized(int nb, const double *mass, const double full[9],
-                                         const double *low, const double part[9], double *block){
+LTH_CLONES static void add_mass_sized(int nb, const double *mass, const double full[9],
+                                      const double *low, const double part[9], double *block){
 #define CALL(n) add_mass(n, n, mass, full, low, part, block)
     BY_SIZE(nb, CALL)
 #undef CALL
 }
 
-LTH_DG_CLONES
+LTH_CLONES
     static void add_low_sized(int nb, const double *low, const double part[9], double *block){
 #define CALL(n) add_low(n, n, low, part, block)
         BY_SIZE(nb, CALL)
 #undef CALL
     }
 
-LTH_DG_CLONES
-    static void pair_rows_sized(int nu, int nv, int flux, const PairTerms *t, double *block){
+LTH_CLONES static void pair_rows_sized(int nu, int nv, int flux, const PairTerms *t, double *block){
 #define CALL(n) pair_rows(nu, n, flux, t, block)
-        BY_SIZE(nv, CALL)
+    BY_SIZE(nv, CALL)
 #undef CALL
-    }
+}
 
-LTH_DG_CLONES static void interleave_sized(int rows, int nv, double *block) {
+LTH_CLONES static void interleave_sized(int rows, int nv, double *block) {
 #define CALL(n) interleave(rows, n, block)
   BY_SIZE(nv, CALL)
 #undef CALL

@@ -9,15 +9,6 @@
 #define LTH_DG_MAX_LOW 10    ///< lth_monomials2(LTH_DG_MAX_DEGREE - 1)
 #define LTH_DG_MAX_TRACE2 45 ///< lth_monomials2(2 LTH_DG_MAX_DEGREE)
 
-/// Compile a hot function for wider vectors too; the loader picks one. Not LTH_CLONES: tuned for Skylake,
-/// re-assembly took 10 to 40 % longer, for its loops over j fill whole registers.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) &&    \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LTH_DG_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define LTH_DG_CLONES
-#endif
-
 /// A penalty density on a jump J of a face: q(J) = iso |J|^2 + sum_s normal[s] (J . R_s n)^2, on the whole
 /// jump (`full`) and once more on its part of degree k - 1 in the face, for either side's k (`low`; where
 /// both have the same only the first is used; on held faces for k = 1 only, where it is the mean).
