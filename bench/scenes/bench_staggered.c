@@ -9,7 +9,7 @@
 ///   bench_staggered [--csv] [--threads N] [--dim 2|3] [--cells N] [--nu X] [--mesh FILE] [--export FILE]
 ///                   [--displacement]
 ///
-/// From nu = 0.45 on the mixed form is measured, with its own operator, unless `--displacement` is given.
+/// From nu = 0.45 on the mixed form is measured, unless `--displacement` is given; with its own operator where there are pressures.
 /// `--cells N`: this size alone, else a few. `--export FILE`: the matrix over free unknowns, for bench/peers/staggered.py.
 #include "base/tensor.h"
 #include "disc/staggered/staggered.h"
@@ -224,7 +224,7 @@ static void time_operator(LitheCtx *ctx, Body *b, Row *row) {
   row->apply = 1e9;
   for (int run = 0; run < 4; run++) {
     double seconds, start = lth_now();
-    if (is_mixed(b->options)) {
+    if (b->s->mixed) {
       LthMixedLevel *l = &b->s->mixed->grid->level[0];
       for (int i = 0; i < 3; i++) lth_mixed_residual(l, lth_threads(ctx), l->b, l->x, l->r);
       seconds = (lth_now() - start) / 3;
@@ -255,7 +255,7 @@ static void time_full(LitheCtx *ctx, Body *b, Row *row) {
   row->full = 1e9;
   for (int run = 0; run < 3; run++) {
     double seconds, start = lth_now();
-    if (is_mixed(b->options)) {
+    if (b->s->mixed) {
       full_mixed(ctx, b);
       seconds = lth_now() - start;
     } else {
@@ -264,8 +264,7 @@ static void time_full(LitheCtx *ctx, Body *b, Row *row) {
     }
     row->full = fmin(row->full, seconds);
   }
-  if (!is_mixed(b->options))
-    check(ctx, lth_staggered_multigrid_full(ctx, b->s->solver, b->rhs, b->r));
+  if (!b->s->mixed) check(ctx, lth_staggered_multigrid_full(ctx, b->s->solver, b->rhs, b->r));
   for (LitheCount i = 0; i < n; i++) b->r[i] -= b->w[i];
   row->full_error = norm(n, b->r) / norm(n, b->w);
 }

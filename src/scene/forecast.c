@@ -139,13 +139,16 @@ static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count, b
          (is_thin ? GRID_CLUSTERS * (double)count->unknowns : 0);
 }
 
-/// The formulation as far as it can be told without places.
-static bool is_mixed(const LthBody *body) {
+/// Whether the body has pressures, as far as it can be told without places.
+static bool has_pressures(const LthBody *body) {
   const LthSceneBody *def = body->def;
-  bool varies = false;
-  for (LitheIndex i = 0; i < def->n_materials; i++)
-    varies |= def->materials[i].material.poisson.eval != NULL;
-  if (varies && def->formulation == LTH_FORMULATION_AUTO) return false;
+  bool varies = false, stiff = false;
+  for (LitheIndex i = 0; i < def->n_materials; i++) {
+    const LthValue *nu = &def->materials[i].material.poisson;
+    varies |= nu->eval != NULL;
+    stiff |= 2 * nu->constant > LTH_STIFFEST * (1 - 2 * nu->constant);
+  }
+  if (varies ? def->formulation == LTH_FORMULATION_AUTO : !stiff) return false;
   return lth_body_formulation(body) == LTH_FORM_MIXED;
 }
 
@@ -165,7 +168,7 @@ static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor,
   if (is_free) {
     factor->is_beaten = true;
     factor->grid_unknowns += (double)count.unknowns;
-    if (!is_mixed(body)) {
+    if (!has_pressures(body)) {
       factor->grid_bytes += grid_bytes(s, &count, scene->time_kind == LTH_TIME_STATIC);
       return;
     }

@@ -148,6 +148,17 @@ static LitheStatus settle(LitheCtx *ctx, LthStaggered *s) {
   return LITHE_OK;
 }
 
+/// Both forms have the same displacements: where lambda is not large next to mu anywhere, pressures are of no use.
+static void drop_pressures(LitheCtx *ctx, LthStaggered *s) {
+  LthStaggeredLevel *l = &s->level;
+  for (LitheCount slot = 0; l->compliance && slot < s->grid->n_slots; slot++)
+    if (l->volume[slot] > 0 &&
+        (l->compliance[slot] == 0 || l->lambda[slot] > LTH_STIFFEST * l->mu[slot]))
+      return;
+  lth_free(ctx, l->compliance);
+  l->compliance = NULL;
+}
+
 static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s) {
   copy_def(ctx, def, s);
   if (s->grid->n_slots > INT32_MAX)
@@ -169,11 +180,12 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(describe(ctx, s));
   LITHE_TRY(lth_staggered_build_holds(ctx, s));
   LITHE_TRY(lth_staggered_build_beyond(ctx, s));
+  drop_pressures(ctx, s);
   LITHE_TRY(lth_mixed_state_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
-  if (s->formulation == LTH_FORM_DISPLACEMENT) LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
+  if (!s->level.compliance) LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
   LITHE_TRY(lth_staggered_solver_create(ctx, s));
-  return s->formulation == LTH_FORM_MIXED ? lth_mixed_solver_create(ctx, s) : LITHE_OK;
+  return s->level.compliance ? lth_mixed_solver_create(ctx, s) : LITHE_OK;
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {

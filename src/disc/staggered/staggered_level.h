@@ -8,6 +8,9 @@
 /// Cut cells have the stiffness of whole ones, lest their pressures lag.
 #define LTH_PENALTY 100
 
+/// lambda over mu up to which (nu = 0.49) the multigrid of displacements alone is at its best.
+#define LTH_STIFFEST 50
+
 /// What an unknown is. Rule A (docs/theory/staggered.md) says which are dead: they carry no stiffness and no mass.
 typedef enum LthUnknownState {
   LTH_UNKNOWN_DEAD,
@@ -36,10 +39,11 @@ typedef struct LthStaggeredLevel {
   LitheIndex n_rows;   ///< of samples; one more is there, of zeros
   double *lambda, *mu; ///< V lambda, V mu of cells [Pa]; where nu = 0.5 V lambda is LTH_PENALTY mu
   double *volume;      ///< V of cells; may be NULL but in the mixed form
-  double *compliance;  ///< V / lambda of cells [1/Pa], 0 where nu = 0.5; NULL but in the mixed form
-  double *shear[3];    ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
-  double *mass[3];     ///< V rho of faces [kg/m^3]; 2D: [2] is NULL
-  uint8_t *state[3];   ///< LthUnknownState of faces; 2D: [2] is NULL
+  double *
+      compliance; ///< V / lambda of cells [1/Pa], 0 where nu = 0.5; NULL where there are no pressures
+  double *shear[3];         ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
+  double *mass[3];          ///< V rho of faces [kg/m^3]; 2D: [2] is NULL
+  uint8_t *state[3];        ///< LthUnknownState of faces; 2D: [2] is NULL
   LthStaggeredWalls *walls; ///< in the weights above; NULL: held sides begin at held unknowns
 } LthStaggeredLevel;
 

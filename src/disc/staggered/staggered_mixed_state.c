@@ -100,7 +100,7 @@ static const LthDiscVolume volume = {.count = count,
 
 LitheStatus lth_mixed_state_create(LitheCtx *ctx, LthStaggered *s) {
   LitheIndex n = 0;
-  if (s->formulation != LTH_FORM_MIXED) return LITHE_OK;
+  if (!s->level.compliance) return LITHE_OK;
   for (LitheIndex i = 0; i < s->disc.n_cells; i++) n += is_stiff(s, s->cell_slot[i]);
   LTH_NEW(ctx, s->mixed, 1);
   LthMixedState *m = s->mixed;
