@@ -7,10 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-static int state_at(const uint8_t *state, LitheCount slot) {
-  return slot < 0 ? LTH_UNKNOWN_DEAD : state[slot];
-}
-
 static bool is_solid(const LthStaggeredLevel *l, LitheCount slot) {
   return lth_level_value(l, l->mu, slot) > 0 || lth_level_value(l, l->lambda, slot) > 0;
 }
@@ -72,49 +68,52 @@ done:
   return status;
 }
 
-/// Low and high (inclusive) fine cells under a coarse box: that of a cell, and shifted by half a coarse cell towards
-/// lower places along the axes in `shifted`.
-static void fine_box(int dim, const LitheIndex cell[3], int shifted, LitheIndex low[3],
-                     LitheIndex high[3]) {
-  for (int a = 0; a < 3; a++) {
-    bool flat = dim == 2 && a == 2;
-    low[a] = flat ? 0 : 2 * cell[a] - (shifted >> a & 1);
-    high[a] = flat ? 0 : low[a] + 1;
-  }
-}
-
-/// No face of a cell is free and some are held: it cannot deform, and says nothing of the body before it.
-static bool is_beyond(const LthStaggeredLevel *l, const LitheIndex cell[3]) {
+/// No face of a cell, which stands at a slot, is free and some are held: it cannot deform, and says nothing of the body before it.
+static bool is_beyond(const LthStaggeredLevel *l, const LitheIndex cell[3], LitheCount slot) {
   bool held = false;
   for (int a = 0; a < l->grid->dim; a++)
     for (int high = 0; high < 2; high++) {
-      const int state = state_at(l->state[a], lth_slot_along(l->grid, cell, a, high));
+      const LitheCount at = high ? lth_slot_along(l->grid, cell, a, 1) : slot;
+      const int state = lth_level_state(l, a, at);
       if (state == LTH_UNKNOWN_FREE) return false;
       held |= state == LTH_UNKNOWN_HELD;
     }
   return held;
 }
 
-/// Mean of cell values over such a box, of what can deform if something can, as if there were no walls.
-static double box_mean(const LthStaggeredLevel *fine, const double *v, const LitheIndex cell[3],
-                       int shifted) {
+/// Values of a cell, or means of them.
+typedef struct CellValues {
+  double lambda, mu, volume;
+} CellValues;
+
+/// Those of the cell at a slot times w.
+static void add_cell(const LthStaggeredLevel *l, LitheCount slot, double w, CellValues *sum) {
+  sum->lambda += w * lth_level_value(l, l->lambda, slot);
+  sum->mu += w * lth_level_value(l, l->mu, slot);
+  if (l->volume) sum->volume += lth_level_value(l, l->volume, slot);
+}
+
+/// Means of cell values over such a box, of what can deform if something can, as if there were no walls.
+static CellValues box_mean(const LthStaggeredLevel *fine, const LitheIndex cell[3], int shifted) {
   LitheIndex low[3], high[3], c[3];
-  fine_box(fine->grid->dim, cell, shifted, low, high);
-  double sum = 0, beyond = 0;
+  lth_fine_box(fine->grid->dim, cell, shifted, low, high);
+  CellValues sum = {0}, beyond = {0};
   int n = 0, n_beyond = 0;
   for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
     for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
       for (c[0] = low[0]; c[0] <= high[0]; c[0]++, n++) {
         const LitheCount s = lth_slot_of(fine->grid, c[0], c[1], c[2]);
-        if (is_beyond(fine, c)) {
+        if (is_beyond(fine, c, s)) {
           n_beyond++;
-          beyond += lth_level_value(fine, v, s);
-        } else if (lth_level_value(fine, v, s) != 0) {
+          add_cell(fine, s, 1, &beyond);
+        } else if (is_solid(fine, s)) {
           const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
-          sum += lth_level_value(fine, v, s) / (v == fine->volume ? 1 : lth_wall_factor(&cuts));
+          add_cell(fine, s, 1 / lth_wall_factor(&cuts), &sum);
         }
       }
-  return n_beyond < n ? sum / (n - n_beyond) : beyond / n;
+  const CellValues *all = n_beyond < n ? &sum : &beyond;
+  const double share = 1.0 / (n_beyond < n ? n - n_beyond : n);
+  return (CellValues){all->lambda * share, all->mu * share, all->volume * share};
 }
 
 /// Compliance of a coarse cell whose pressure stands for pressures in proportion to the stiffness of finer cells:
@@ -124,7 +123,7 @@ static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredL
   LitheIndex low[3], high[3];
   const double mu = coarse->volume[to] > 0 ? coarse->mu[to] / coarse->volume[to] : 1;
   double sum = 0;
-  fine_box(fine->grid->dim, cell, 0, low, high);
+  lth_fine_box(fine->grid->dim, cell, 0, low, high);
   for (LitheIndex k = low[2]; k <= high[2]; k++)
     for (LitheIndex j = low[1]; j <= high[1]; j++)
       for (LitheIndex i = low[0]; i <= high[0]; i++) {
@@ -143,7 +142,7 @@ static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredL
 static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
   static const double along[3] = {0.25, 0.5, 0.25};
   LitheIndex low[3], high[3];
-  fine_box(fine->grid->dim, cell, 0, low, high);
+  lth_fine_box(fine->grid->dim, cell, 0, low, high);
   double sum = 0;
   for (int s = 0; s < 3; s++) {
     low[a] = high[a] = 2 * cell[a] + s - 1;
@@ -156,110 +155,127 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
   return sum / (fine->grid->dim == 3 ? 4 : 2);
 }
 
-/// A fine face on a coarse one's plane is held; or it is dead and the next one, which no coarse plane meets, is held:
-/// there the body ends half a coarse cell before.
-static bool column_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  const uint8_t *state = fine->state[a];
-  int here = state_at(state, lth_slot_of(fine->grid, cell[0], cell[1], cell[2]));
-  if (here != LTH_UNKNOWN_DEAD) return here == LTH_UNKNOWN_HELD;
-  return state_at(state, lth_slot_along(fine->grid, cell, a, 1)) == LTH_UNKNOWN_HELD ||
-         state_at(state, lth_slot_along(fine->grid, cell, a, -1)) == LTH_UNKNOWN_HELD;
-}
-
-/// How far the fine face of a cell is before a wall, in cells; behind it less than 0. Neighbours beside it in the coarse face tell.
-static double before_wall(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  const bool held = column_is_held(fine, cell, a);
-  double before = held ? -1 : 1.5;
-  for (int b = 0; b < fine->grid->dim; b++) {
-    if (b == a) continue;
-    LitheIndex beside[3] = {cell[0], cell[1], cell[2]};
-    beside[b] ^= 1;
-    const int state =
-        state_at(fine->state[a], lth_slot_of(fine->grid, beside[0], beside[1], beside[2]));
-    if (held && state == LTH_UNKNOWN_FREE)
-      before = fmax(before, lth_staggered_wall_way(fine, a, b, beside, cell) - 1);
-    if (!held && state == LTH_UNKNOWN_HELD)
-      before = fmin(before, lth_staggered_wall_way(fine, a, b, cell, beside));
-  }
-  return before;
-}
-
-/// Are the other components held beside the held fine face of a cell, too?
-static bool is_clamped(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  for (int b = 0; b < fine->grid->dim; b++) {
-    bool held = b == a;
-    for (int q = 0; q < 4 && !held; q++) { // the faces across b at both cells of this face
-      LitheIndex at[3] = {cell[0], cell[1], cell[2]};
-      at[a] -= q & 1;
-      at[b] += q >> 1;
-      held = state_at(fine->state[b], lth_slot_of(fine->grid, at[0], at[1], at[2])) ==
-             LTH_UNKNOWN_HELD;
-    }
-    if (!held) return false;
-  }
-  return true;
-}
-
-/// Does the held fine face of a cell hold what nothing behind it would hold on the coarse level, where it shares a coarse face with a free one?
-static bool holds_alone(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  for (int b = 0; b < fine->grid->dim; b++) {
-    if (b == a) continue;
-    const int away = cell[b] & 1 ? 1 : -1; // from the other face of the pair
-    int state[3];
-    for (int k = 0; k < 3; k++) {
-      LitheIndex at[3] = {cell[0], cell[1], cell[2]};
-      at[b] += away * (k == 0 ? -1 : k);
-      state[k] = state_at(fine->state[a], lth_slot_of(fine->grid, at[0], at[1], at[2]));
-    }
-    if (state[0] == LTH_UNKNOWN_FREE &&
-        (state[1] != LTH_UNKNOWN_HELD || state[2] == LTH_UNKNOWN_FREE))
-      return true;
-  }
-  return false;
-}
-
-/// Is what a held fine face holds sure to be held on the coarse level, too, where this face is given up? Holds of some components
-/// may be as thin as one face: where the middle of a coarse face missed them, the coarse level would have a motion that nothing holds.
-static bool is_thick(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  return is_clamped(fine, cell, a) && !holds_alone(fine, cell, a);
-}
-
-/// Is the middle of the fine faces that make up a coarse one behind a wall? One held face is enough where a hold is thin, and in
-/// the mixed form: where stiffness jumps its smoother does not bear corrections that are cut.
-static bool face_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  LitheIndex low[3], high[3], c[3];
-  bool any = false, thick = true;
-  double before = 0;
-  fine_box(fine->grid->dim, cell, 0, low, high);
-  high[a] = low[a];
-  for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
-    for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
-      for (c[0] = low[0]; c[0] <= high[0]; c[0]++) {
-        if (!column_is_held(fine, c, a)) continue;
-        any = true;
-        thick &= is_thick(fine, c, a);
-      }
-  if (!any || !thick || fine->compliance) return any;
-  for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
-    for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
-      for (c[0] = low[0]; c[0] <= high[0]; c[0]++) before += before_wall(fine, c, a);
-  return before <= 0;
-}
-
 static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coarse, LitheCount s) {
   const LthSparseGrid *g = fine->grid;
   LitheIndex cell[3];
   lth_cell_of(coarse->grid, s, cell);
-  coarse->lambda[s] = box_mean(fine, fine->lambda, cell, 0);
-  coarse->mu[s] = box_mean(fine, fine->mu, cell, 0);
-  if (fine->volume) coarse->volume[s] = box_mean(fine, fine->volume, cell, 0);
+  const CellValues own = box_mean(fine, cell, 0);
+  coarse->lambda[s] = own.lambda;
+  coarse->mu[s] = own.mu;
+  if (fine->volume) coarse->volume[s] = own.volume;
   if (fine->compliance) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
-    if (coarse->shear[e]) coarse->shear[e][s] = box_mean(fine, fine->mu, cell, 7 & ~(1 << e));
+    if (coarse->shear[e]) coarse->shear[e][s] = box_mean(fine, cell, 7 & ~(1 << e)).mu;
   for (int a = 0; a < g->dim; a++) {
     coarse->mass[a][s] = face_mass(fine, cell, a);
-    coarse->state[a][s] = face_is_held(fine, cell, a) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
+    coarse->state[a][s] =
+        lth_staggered_coarse_is_held(fine, cell, a) ? LTH_UNKNOWN_HELD : LTH_UNKNOWN_DEAD;
   }
+}
+
+/// Samples that coarse ones are means of, at a place, are those at another.
+static bool are_alike(const LthStaggeredLevel *l, LitheCount at, LitheCount other) {
+  const double *all[] = {l->lambda, l->mu, l->volume, l->mass[0], l->mass[1], l->mass[2]};
+  for (size_t v = 0; v < sizeof all / sizeof *all; v++)
+    if (all[v] && all[v][at] != all[v][other]) return false;
+  return true;
+}
+
+static bool is_constant(const LthStaggeredLevel *l, LitheIndex row) {
+  const LitheCount first = (LitheCount)row * l->grid->side;
+  for (int i = 1; i < l->grid->side; i++)
+    if (!are_alike(l, first + i, first)) return false;
+  return true;
+}
+
+/// Faces of a slot are free where it is solid, else dead.
+static bool is_inner(const LthStaggeredLevel *l, LitheCount slot) {
+  const int state = is_solid(l, slot) ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD;
+  for (int a = 0; a < l->grid->dim; a++)
+    if (l->state[a][slot] != state) return false;
+  return true;
+}
+
+static LitheIndex plain_of(const LthStaggeredLevel *l, const uint8_t *constant, LitheCount row) {
+  if (!constant[l->row[row]]) return -1;
+  for (int i = 0; i < l->grid->side; i++)
+    if (!is_inner(l, row * l->grid->side + i)) return -1;
+  return is_solid(l, row * l->grid->side) ? l->row[row] : l->n_rows;
+}
+
+/// Rows of samples of rows of slots that are constant, and whose faces are all free, or dead where nothing is solid (then the
+/// row of zeros); else -1. NULL where rows that are alike do not share samples.
+static LitheStatus list_plain(LitheCtx *ctx, const LthStaggeredLevel *l, LitheIndex **plain) {
+  LitheStatus status = LITHE_OK;
+  const LitheCount n = l->grid->n_slots / l->grid->side;
+  uint8_t *constant = NULL;
+  *plain = NULL;
+  if (!lth_staggered_level_is_packed(l)) return LITHE_OK;
+  LTH_NEW_OR(done, ctx, constant, l->n_rows);
+  LTH_NEW_OR(done, ctx, *plain, n);
+  for (LitheIndex r = 0; r < l->n_rows; r++) constant[r] = is_constant(l, r);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount r = 0; r < n; r++) (*plain)[r] = plain_of(l, constant, r);
+done:
+  lth_free(ctx, constant);
+  return status;
+}
+
+/// Whether the cell at the end of a row next to a plain one, if it is not plain itself, goes on like that.
+static bool goes_on(const LthStaggeredLevel *fine, LitheCount slot, LitheIndex plain) {
+  return is_inner(fine, slot) &&
+         are_alike(fine, lth_level_at(fine, slot), (LitheCount)plain * fine->grid->side);
+}
+
+/// The plain row that all fine rows are which the cells of a coarse row touch, with the cells beside them; -1: there is none.
+/// `cell` is the first one of the coarse row.
+static LitheIndex plain_around(const LthStaggeredLevel *fine, const LitheIndex *plain,
+                               const LitheIndex cell[3]) {
+  const LthSparseGrid *g = fine->grid;
+  const int side = g->side, mask = side - 1, deep = g->dim == 3;
+  static const int order[4] = {0, 1, -1,
+                               2}; // blocks along x: what is under the row, then what is beside
+  LitheIndex same = -1;
+  for (LitheIndex k = deep ? 2 * cell[2] - 1 : 0; k <= (deep ? 2 * cell[2] + 2 : 0); k++)
+    for (LitheIndex j = 2 * cell[1] - 1; j <= 2 * cell[1] + 2; j++)
+      for (int x = 0; x < 4; x++) {
+        const LitheIndex block = lth_block_of(g, 2 * cell[0] + order[x] * side, j, k);
+        const LitheCount row = block * (LitheCount)(g->block_cells / side) +
+                               (deep ? (k & mask) * side : 0) + (j & mask);
+        const LitheIndex here = block < 0 ? fine->n_rows : plain[row];
+        if (same < 0) same = here;
+        const bool beside = order[x] < 0 || order[x] > 1;
+        if (same < 0) return -1;
+        if (here == same) continue;
+        const LitheCount slot = row * side + (order[x] < 0 ? mask : 0);
+        if (!beside || block < 0 || !goes_on(fine, slot, same)) return -1;
+      }
+  return same;
+}
+
+/// Samples of a coarse row from those of a plain one.
+static void copy_row(const LthStaggeredLevel *fine, LitheIndex plain, LthStaggeredLevel *coarse,
+                     LitheCount first) {
+  const LitheCount from = (LitheCount)plain * fine->grid->side;
+  for (LitheCount s = first; s < first + coarse->grid->side; s++) {
+    coarse->lambda[s] = fine->lambda[from];
+    coarse->mu[s] = fine->mu[from];
+    if (fine->volume) coarse->volume[s] = fine->volume[from];
+    for (int e = 0; e < 3; e++)
+      if (coarse->shear[e]) coarse->shear[e][s] = fine->mu[from];
+    for (int a = 0; a < fine->grid->dim; a++) coarse->mass[a][s] = fine->mass[a][from];
+  }
+}
+
+static void average_row(const LthStaggeredLevel *fine, const LitheIndex *plain,
+                        LthStaggeredLevel *coarse, LitheCount first) {
+  LitheIndex cell[3];
+  lth_cell_of(coarse->grid, first, cell);
+  const LitheIndex same = plain ? plain_around(fine, plain, cell) : -1;
+  if (same >= 0)
+    copy_row(fine, same, coarse, first);
+  else
+    for (int i = 0; i < coarse->grid->side; i++) average_slot(fine, coarse, first + i);
 }
 
 /// Free where a face touches a cell that holds something.
@@ -279,8 +295,8 @@ static bool edge_is_dead(const LthStaggeredLevel *l, LitheCount s, const LitheIn
                          int e) {
   int a = (e + 1) % 3, b = (e + 2) % 3;
   return !l->state[a][s] || !l->state[b][s] ||
-         !state_at(l->state[a], lth_slot_along(l->grid, cell, b, -1)) ||
-         !state_at(l->state[b], lth_slot_along(l->grid, cell, a, -1));
+         !lth_level_state(l, a, lth_slot_along(l->grid, cell, b, -1)) ||
+         !lth_level_state(l, b, lth_slot_along(l->grid, cell, a, -1));
 }
 
 void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *l) {
@@ -316,16 +332,30 @@ done:
   return status;
 }
 
+/// Averaged coefficients and held faces; all others are dead.
+static LitheStatus average_level(LitheCtx *ctx, const LthStaggeredLevel *fine,
+                                 LthStaggeredLevel *coarse) {
+  const int side = coarse->grid->side;
+  LitheIndex *plain;
+  LITHE_TRY(list_plain(ctx, fine, &plain));
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount s = 0; s < coarse->grid->n_slots; s += side) average_row(fine, plain, coarse, s);
+  lth_free(ctx, plain);
+  return LITHE_OK;
+}
+
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse) {
-  LITHE_TRY(coarse_grid(ctx, fine, grid));
-  LitheStatus status = alloc_like(ctx, fine, *grid, coarse);
-  if (status != LITHE_OK) {
-    lth_sparse_grid_destroy(ctx, grid);
-    return status;
-  }
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount s = 0; s < coarse->grid->n_slots; s++) average_slot(fine, coarse, s);
+  LitheStatus status = LITHE_OK;
+  LITHE_TRY_OR(done, coarse_grid(ctx, fine, grid));
+  LITHE_TRY_OR(done, alloc_like(ctx, fine, *grid, coarse));
+  LITHE_TRY_OR(done, average_level(ctx, fine, coarse));
   lth_staggered_rule_a(ctx, coarse);
-  return lth_staggered_walls_coarsen(ctx, fine, coarse);
+  LITHE_TRY_OR(done, lth_staggered_walls_coarsen(ctx, fine, coarse));
+done:
+  if (status != LITHE_OK) {
+    lth_staggered_level_free(ctx, coarse);
+    lth_sparse_grid_destroy(ctx, grid);
+  }
+  return status;
 }

@@ -71,7 +71,7 @@ static void around(const LthSparseGrid *g, LitheCount slot, LitheCount near[27])
 
 static const int near_stride[3] = {1, 3, 9};
 
-/// Normal stresses of the live cell at slot[0] [Pa].
+/// Normal stresses of the live cell at slot[0] [Pa], whose high neighbours stand at slot[near_stride[a]].
 static void normal_stress(const LthStaggered *s, const LitheCount *slot, const double *x,
                           double stress[3]) {
   const LitheCount at = lth_level_at(&s->level, *slot);
@@ -84,7 +84,10 @@ static void normal_stress(const LthStaggered *s, const LitheCount *slot, const d
 
 /// Weight of what stands d half cells (one cell, that is 2, apart) from the cell's centre, at place r in
 /// (-1/2, 1/2) of the cell's width: linear between the two on both sides.
-static double hat(double r, int d) { return fmax(0, 1 - fabs(r - 0.5 * d)); }
+static double hat(double r, int d) {
+  const double w = 1 - fabs(r - 0.5 * d);
+  return w > 0 ? w : 0; // fmax() would be a call
+}
 
 /// Place in a cell from its centre, in cells, within it.
 static void local_place(const LthStaggered *s, LitheCount slot, const double at[3], double r[3]) {
@@ -104,9 +107,10 @@ static void mix_normal(const LthStaggered *s, const LitheCount near[27], const d
     int d[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
     double w = hat(r[0], 2 * d[0]) * hat(r[1], 2 * d[1]) * hat(r[2], 2 * d[2]), normal[3];
     if (w == 0 || !lth_staggered_is_live(&s->level, near[k])) continue;
+    const bool high = d[0] > 0 || d[1] > 0 || d[2] > 0; // its high neighbours are not near
     LitheCount own[27];
-    around(s->grid, near[k], own);
-    normal_stress(s, own + 13, x, normal);
+    if (high) around(s->grid, near[k], own);
+    normal_stress(s, high ? own + 13 : near + k, x, normal);
     lth_v3_axpy(w, normal, stress);
     sum += w;
   }
@@ -121,15 +125,14 @@ static double mix_shear(const LthStaggered *s, const LitheCount near[27], const 
   double sum = 0, stress = 0;
   for (int k = 0; k < 12; k++) {
     int da = k & 1, db = k >> 1 & 1, de = (k >> 2) - 1;
-    LitheCount slot = near[13 + da * near_stride[a] + db * near_stride[b] + de * near_stride[e]];
+    const LitheCount *slot =
+        near + 13 + da * near_stride[a] + db * near_stride[b] + de * near_stride[e];
     double w = hat(r[a], 2 * da - 1) * hat(r[b], 2 * db - 1) * hat(r[e], 2 * de);
-    const double mu = lth_level_value(&s->level, s->level.shear[e], slot);
-    if (w == 0 || !(mu > 0)) continue;
-    LitheCount own[27];
-    around(s->grid, slot, own);
-    double V = lth_staggered_edge_fraction(s, own + 13, near_stride, e);
+    const double mu = w == 0 ? 0 : lth_level_value(&s->level, s->level.shear[e], *slot);
+    if (!(mu > 0)) continue;
+    double V = lth_staggered_edge_fraction(s, slot, near_stride, e); // its low neighbours are near
     sum += w;
-    stress += w * (mu / V) * shear_strain(s, own + 13, near_stride, a, b, x);
+    stress += w * (mu / V) * shear_strain(s, slot, near_stride, a, b, x);
   }
   return sum > 0 ? stress / sum : 0;
 }

@@ -40,6 +40,10 @@ LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *leve
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse);
 
+/// Whether face a of a coarse cell is held: where the middle of the fine faces that make it up is behind a wall. One held face is
+/// enough where a hold is thin, and in the mixed form: where stiffness jumps its smoother does not bear corrections that are cut.
+bool lth_staggered_coarse_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a);
+
 /// Share of the solid cells of a grid that lie in features thinner than three cells; `solid` is how much of a cell
 /// is filled (n_slots). `where`, unless NULL, becomes the slot of one of them, -1: none.
 LitheStatus lth_staggered_thin_share(LitheCtx *ctx, const LthSparseGrid *grid, const float *solid,

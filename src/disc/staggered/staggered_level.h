@@ -60,6 +60,11 @@ static inline double lth_level_value(const LthStaggeredLevel *level, const doubl
   return slot < 0 ? 0 : sample[lth_level_at(level, slot)];
 }
 
+/// LthUnknownState of component a at a slot, dead where there is no such slot.
+static inline int lth_level_state(const LthStaggeredLevel *level, int a, LitheCount slot) {
+  return slot < 0 ? LTH_UNKNOWN_DEAD : level->state[a][slot];
+}
+
 /// Arrays of a level, all zero, on a grid, with a row of samples for every row of slots, without those of the mixed form;
 /// freed by lth_staggered_level_free(), which leaves the grid.
 LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,

@@ -44,3 +44,14 @@ static inline LitheCount lth_slot_along(const LthSparseGrid *g, const LitheIndex
   c[axis] += by;
   return lth_slot_of(g, c[0], c[1], c[2]);
 }
+
+/// Low and high (inclusive) fine cells under a coarse box: that of a cell, and shifted by half a coarse cell towards
+/// lower places along the axes in `shifted`.
+static inline void lth_fine_box(int dim, const LitheIndex cell[3], int shifted, LitheIndex low[3],
+                                LitheIndex high[3]) {
+  for (int a = 0; a < 3; a++) {
+    bool flat = dim == 2 && a == 2;
+    low[a] = flat ? 0 : 2 * cell[a] - (shifted >> a & 1);
+    high[a] = flat ? 0 : low[a] + 1;
+  }
+}

@@ -6,10 +6,6 @@
 
 #define FARTHEST 4 // fine steps after which no wall is looked for
 
-static int state_at(const LthStaggeredLevel *l, int a, LitheCount slot) {
-  return slot < 0 ? LTH_UNKNOWN_DEAD : l->state[a][slot];
-}
-
 static int place_of(int a, int b) {
   const int e = 3 - a - b;
   return a == b ? a : (e + 1) % 3 == a ? 3 + 2 * e : 4 + 2 * e;
@@ -19,8 +15,8 @@ static int place_of(int a, int b) {
 static bool differs(const LthStaggeredLevel *l, int a, int b, LitheCount slot,
                     const LitheIndex cell[3], bool *low_is_held) {
   const LitheCount other = lth_slot_along(l->grid, cell, b, a == b ? 1 : -1);
-  const bool here = state_at(l, a, slot) == LTH_UNKNOWN_HELD,
-             there = state_at(l, a, other) == LTH_UNKNOWN_HELD;
+  const bool here = lth_level_state(l, a, slot) == LTH_UNKNOWN_HELD,
+             there = lth_level_state(l, a, other) == LTH_UNKNOWN_HELD;
   *low_is_held = a == b ? here : there;
   return here != there;
 }
@@ -150,7 +146,7 @@ double lth_staggered_wall_distance(const LthStaggeredLevel *l, int a, const Lith
       int state = LTH_UNKNOWN_FREE;
       for (int step = 0; step < FARTHEST && state == LTH_UNKNOWN_FREE; step++, at[b] += to) {
         next[b] = at[b] + to;
-        state = state_at(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
+        state = lth_level_state(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
         if (state == LTH_UNKNOWN_HELD)
           least = fmin(least, step + lth_staggered_wall_way(l, a, b, at, next));
       }
@@ -163,12 +159,13 @@ double lth_staggered_wall_distance(const LthStaggeredLevel *l, int a, const Lith
 /// Fine cells from where a coarse unknown is, in one of the lines of fine ones that it stands for, to what is held; -1: it is not near.
 static double way_along(const LthStaggeredLevel *l, int a, int b, LitheIndex at[3], int to) {
   double way = a == b ? 0 : 0.5;
-  int state = state_at(l, a, lth_slot_of(l->grid, at[0], at[1], at[2]));
+  int state = lth_level_state(l, a, lth_slot_of(l->grid, at[0], at[1], at[2]));
   if (a != b &&
       state == LTH_UNKNOWN_HELD) { // the wall is between this one and the other of the pair
     LitheIndex other[3] = {at[0], at[1], at[2]};
     other[b] -= to;
-    if (state_at(l, a, lth_slot_of(l->grid, other[0], other[1], other[2])) != LTH_UNKNOWN_FREE)
+    if (lth_level_state(l, a, lth_slot_of(l->grid, other[0], other[1], other[2])) !=
+        LTH_UNKNOWN_FREE)
       return -1;
     return lth_staggered_wall_way(l, a, b, other, at) - 0.5;
   }
@@ -176,7 +173,7 @@ static double way_along(const LthStaggeredLevel *l, int a, int b, LitheIndex at[
   for (int step = 0; step < FARTHEST; step++) {
     LitheIndex next[3] = {at[0], at[1], at[2]};
     next[b] += to;
-    state = state_at(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
+    state = lth_level_state(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
     if (state == LTH_UNKNOWN_HELD) return way + lth_staggered_wall_way(l, a, b, at, next);
     if (state == LTH_UNKNOWN_DEAD) return -1;
     at[b] = next[b];
@@ -216,7 +213,7 @@ static void find_ways(const LthStaggeredLevel *fine, const LthStaggeredLevel *co
       if (!differs(coarse, a, b, wall->slot, cell, &low_is_held)) continue;
       LitheIndex from[3] = {cell[0], cell[1], cell[2]};
       from[b] += a == b ? low_is_held : !low_is_held ? -1 : 0;
-      if (state_at(coarse, a, lth_slot_of(coarse->grid, from[0], from[1], from[2])) ==
+      if (lth_level_state(coarse, a, lth_slot_of(coarse->grid, from[0], from[1], from[2])) ==
           LTH_UNKNOWN_FREE)
         wall->way[place_of(a, b)] = (float)coarse_way(fine, a, b, from, low_is_held ? -1 : 1);
     }
