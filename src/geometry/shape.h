@@ -62,9 +62,9 @@ void lth_shape_bounds(const LthShape *shape, double min[3], double max[3]);
 
 /// A closed surface of the shape. A box gives its 12 triangles, a mesh a copy of itself, other
 /// primitives are tessellated with edges of about `resolution` [m] (points on the true surface);
-/// combinations and implicit shapes by an isosurface that is closed and manifold by construction,
-/// points moved onto the surface by root finding (sharp edges are chamfered at `resolution`). Pieces of
-/// wrapped surfaces and images that are smaller than a lattice cell are left out.
+/// combinations and implicit shapes have sharp edges where their parts meet (docs/theory/sharp.md; where that fails
+/// they are chamfered, with a warning), images and wrapped surfaces are isosurfaces with chamfers. Pieces of the latter two
+/// that are smaller than a lattice cell are left out.
 /// The result's soup is itself: soup_point and tri_poly are the identity.
 /// LITHE_BAD_INPUT: no surface found, no size, far too fine a resolution, or a shape of plane scenes.
 LitheStatus lth_shape_tessellate(LitheCtx *ctx, const LthShape *shape, double resolution,

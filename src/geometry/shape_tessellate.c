@@ -1,6 +1,8 @@
-/// Triangle surfaces of shapes: primitives with points on the true surface, the rest by an isosurface.
+/// Triangle surfaces of shapes: primitives with points on the true surface, combinations with their sharp edges, the
+/// rest by an isosurface.
 #include "geometry/isosurface.h"
 #include "geometry/shape.h"
+#include "geometry/sharp_surface.h"
 #include "geometry/surface_shells.h"
 
 #include "base/tensor.h"
@@ -290,6 +292,25 @@ static LitheStatus trace_wrap(Builder *b, const LthWrap *wrap, double resolution
   return status;
 }
 
+/// With sharp edges; where that fails, the isosurface of its value, which has none.
+static LitheStatus trace_solid(Builder *b, const LthShape *s, const double min[3],
+                               const double max[3], double resolution) {
+  LthSolid *solid = NULL;
+  bool is_sharp = false;
+  LITHE_TRY(lth_solid_create(b->ctx, s, &solid));
+  LitheStatus status = lth_sharp_surface(b->ctx, solid, min, max, resolution, &is_sharp,
+                                         &b->n_points, &b->points, &b->n_tris, &b->tris);
+  lth_solid_destroy(b->ctx, &solid);
+  if (status != LITHE_OK || is_sharp) return status;
+  lth_warn(b->ctx,
+           "a combined shape's edges are chamfered at its resolution of %.3g m: its parts meet in "
+           "ways that "
+           "rounding cannot tell apart; move one of them slightly",
+           resolution);
+  return lth_isosurface(b->ctx, value_of, NULL, s, min, max, resolution, &b->n_points, &b->points,
+                        &b->n_tris, &b->tris);
+}
+
 static LitheStatus build_isosurface(Builder *b, const LthShape *s, double resolution) {
   double min[3], max[3];
   lth_shape_bounds(s, min, max);
@@ -298,9 +319,11 @@ static LitheStatus build_isosurface(Builder *b, const LthShape *s, double resolu
                resolution);
   if (s->kind == LTH_SHAPE_WRAP)
     LITHE_TRY(trace_wrap(b, s->wrap, resolution));
-  else
+  else if (s->kind == LTH_SHAPE_IMAGE)
     LITHE_TRY(lth_isosurface(b->ctx, value_of, NULL, s, min, max, resolution, &b->n_points,
                              &b->points, &b->n_tris, &b->tris));
+  else
+    LITHE_TRY(trace_solid(b, s, min, max, resolution));
   if (b->n_tris == 0)
     LITHE_FAIL(
         b->ctx, LITHE_BAD_INPUT,

@@ -1,4 +1,5 @@
 /// Shapes: distances, bounds, and surfaces that are closed, oriented and on the true surface.
+#include "closed_surface.h"
 #include "ctx_fixture.h"
 
 #include "base/tensor.h"
@@ -9,53 +10,16 @@ static void free_surface(LitheCtx *ctx, LthSurface *s) {
   lth_free(ctx, s->tri_poly), lth_free(ctx, s->soup_point), lth_free(ctx, s);
 }
 
-static const double *point(const LthSurface *s, LitheIndex t, int k) {
-  return s->points + 3 * s->tris[3 * t + k];
-}
-
 static double volume(const LthSurface *s) {
   double sum = 0, n[3], a[3], b[3];
   for (LitheIndex t = 0; t < s->n_tris; t++) {
-    lth_v3_sub(point(s, t, 1), point(s, t, 0), a);
-    lth_v3_sub(point(s, t, 2), point(s, t, 0), b);
+    lth_v3_sub(tri_point(s, t, 1), tri_point(s, t, 0), a);
+    lth_v3_sub(tri_point(s, t, 2), tri_point(s, t, 0), b);
     lth_v3_cross(a, b, n);
-    lth_v3_sub(point(s, t, 0), s->points, a);
+    lth_v3_sub(tri_point(s, t, 0), s->points, a);
     sum += lth_v3_dot(n, a) / 6;
   }
   return sum;
-}
-
-typedef struct Half {
-  LitheIndex from, to;
-} Half;
-
-static int compare_halves(const void *a, const void *b) {
-  const Half *p = a, *q = b;
-  if (p->from != q->from) return p->from < q->from ? -1 : 1;
-  return (p->to > q->to) - (p->to < q->to);
-}
-
-/// Every directed edge once, and its opposite once; every point used; no triangle without area.
-static void check_closed(const LthSurface *s) {
-  LitheIndex n = 3 * s->n_tris;
-  Half *halves = calloc((size_t)n, sizeof *halves);
-  char *used = calloc((size_t)s->n_points, 1);
-  for (LitheIndex h = 0; h < n; h++) {
-    halves[h] = (Half){s->tris[h], s->tris[h / 3 * 3 + (h % 3 + 1) % 3]};
-    used[s->tris[h]] = 1;
-  }
-  qsort(halves, (size_t)n, sizeof *halves, compare_halves);
-  for (LitheIndex h = 0; h < n; h++) {
-    Half opposite = {halves[h].to, halves[h].from};
-    assert_non_null(bsearch(&opposite, halves, (size_t)n, sizeof *halves, compare_halves));
-    if (h > 0) assert_int_not_equal(compare_halves(&halves[h - 1], &halves[h]), 0);
-  }
-  for (LitheIndex p = 0; p < s->n_points; p++) assert_true(used[p]);
-  for (LitheIndex t = 0; t < s->n_tris; t++)
-    for (int k = 0; k < 3; k++)
-      assert_true(lth_v3_distance(point(s, t, k), point(s, t, (k + 1) % 3)) > 0);
-  free(halves);
-  free(used);
 }
 
 static const LthShape box = {.kind = LTH_SHAPE_BOX, .a = {-1, 0, 2}, .b = {1, 3, 4}};
@@ -95,7 +59,7 @@ static void check_primitive(LitheCtx *ctx, const LthShape *shape, double resolut
   double longest = 0;
   for (LitheIndex t = 0; t < s->n_tris; t++)
     for (int k = 0; k < 3; k++)
-      longest = fmax(longest, lth_v3_distance(point(s, t, k), point(s, t, (k + 1) % 3)));
+      longest = fmax(longest, lth_v3_distance(tri_point(s, t, k), tri_point(s, t, (k + 1) % 3)));
   CHECK_AT_MOST(longest, 1.7 * resolution);
   CHECK_NEAR(volume(s), exact, 0.02 * exact);
   if (shape->kind != LTH_SHAPE_SHELL) CHECK_AT_MOST(volume(s), exact);
