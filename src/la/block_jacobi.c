@@ -2,7 +2,7 @@
 #include "la/krylov.h"
 
 #include "base/clones.h"
-#include "la/block_12.h"
+#include "la/block_rows.h"
 
 #include <omp.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "la/block_matrix.h"
 
 #include "base/clones.h"
-#include "la/block_12.h"
+#include "la/block_rows.h"
 #include "la/krylov.h"
 
 #include <math.h>
@@ -132,10 +132,12 @@ LitheCount lth_block_matrix_find(const LthBlockMatrix *A, LitheIndex row, LitheI
   return first < A->block_off[row + 1] && A->block_col[first] == col ? first : -1;
 }
 
-static bool is_twelve(const LthBlockMatrix *A, LitheIndex row) {
+/// That of all blocks of a row where they are square and have the same, else 0.
+static LitheIndex common_size(const LthBlockMatrix *A, LitheIndex row) {
+  const LitheIndex size = block_size(A, row);
   for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
-    if (block_size(A, A->block_col[e]) != LTH_TWELVE) return false;
-  return block_size(A, row) == LTH_TWELVE;
+    if (block_size(A, A->block_col[e]) != size) return 0;
+  return size;
 }
 
 /// As apply_row(), to the bit, where all blocks are 12 x 12.
@@ -149,6 +151,16 @@ static void apply_row_12(const LthBlockMatrix *A, LitheIndex row, LitheCount ski
   double *yr = y + A->row_off[row];
 #pragma GCC unroll 3
   for (int r = 0; r < LTH_TWELVE; r += 4) lth_quad_sums(s.row + r, (LthQuad *)(yr + r));
+}
+
+/// The same where all are 3 x 3.
+LTH_CLONES
+static void apply_row_3(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
+                        const double *restrict x, double *restrict y) {
+  LthRows3 s = {0};
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++)
+    if (e != skip) lth_rows3_add(A->values + A->value_off[e], x + A->row_off[A->block_col[e]], &s);
+  lth_rows3_sums(&s, y + A->row_off[row]);
 }
 
 /// y of one block row without block `skip`; three rows of every block at a time share the loads of x.
@@ -189,8 +201,11 @@ static void apply_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip,
 
 static void apply_any_row(const LthBlockMatrix *A, LitheIndex row, LitheCount skip, const double *x,
                           double *y) {
-  if (is_twelve(A, row))
+  const LitheIndex size = common_size(A, row);
+  if (size == LTH_TWELVE)
     apply_row_12(A, row, skip, x, y);
+  else if (size == LTH_THREE)
+    apply_row_3(A, row, skip, x, y);
   else
     apply_row(A, row, skip, x, y);
 }

@@ -2,7 +2,7 @@
 #include "la/ml_priv.h"
 
 #include "base/clones.h"
-#include "la/block_12.h"
+#include "la/block_rows.h"
 
 #include <math.h>
 #include <omp.h>
@@ -95,6 +95,24 @@ static void row_residual_12(const LthLevel *l, LitheIndex row, int low, int high
   }
 }
 
+/// The same for blocks of 3 x 3.
+LTH_CLONES
+static void row_residual_3(const LthLevel *l, LitheIndex row, int low, int high, int skip,
+                           const double *restrict b, const double *restrict x, double *restrict y) {
+  const LthBlockMatrix *A = l->A;
+  const int *restrict colour = l->colours.colour;
+  LthRows3 s = {0};
+  for (LitheCount e = A->block_off[row]; e < A->block_off[row + 1]; e++) {
+    const LitheIndex col = A->block_col[e];
+    if (colour[col] < low || colour[col] >= high || colour[col] == skip) continue;
+    lth_rows3_add(A->values + A->value_off[e], x + A->row_off[col], &s);
+  }
+  double sums[LTH_THREE];
+  lth_rows3_sums(&s, sums);
+  const LitheCount at = A->row_off[row];
+  for (int r = 0; r < LTH_THREE; r++) y[at + r] = (b ? b[at + r] : 0) - sums[r];
+}
+
 #define SIX 6
 
 /// The same for blocks of 6 x 6: two rows of a block are three lanes.
@@ -143,6 +161,10 @@ static void row_residual(const LthLevel *l, LitheIndex row, int low, int high, i
   }
   if (l->size == SIX) {
     row_residual_6(l, row, low, high, skip, b, x, y);
+    return;
+  }
+  if (l->size == LTH_THREE) {
+    row_residual_3(l, row, low, high, skip, b, x, y);
     return;
   }
   const LitheIndex m = lth_ml_size(A, row);
