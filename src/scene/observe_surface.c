@@ -83,6 +83,7 @@ done:
 LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const LthBody *body,
                                     double period, bool resumes, LthSurfaceOutput **out) {
   LTH_NEW(ctx, *out, 1);
+  (*out)->n_cached = -1;
   LITHE_TRY(lth_copy_text(ctx, folder, &(*out)->folder));
   LITHE_TRY(lth_output_stem(ctx, body, "surface", &(*out)->stem));
   if (!is_wanted(body)) return LITHE_OK;
@@ -92,7 +93,6 @@ LitheStatus lth_surface_output_open(LitheCtx *ctx, const char *folder, const Lth
   (*out)->in_file_space = body->scene->output_in_file_space;
   if ((*out)->in_file_space) LITHE_TRY(invert(ctx, body->def, *out));
   LTH_NEW(ctx, (*out)->points, 3 * (LitheCount)body->soup->n_points);
-  (*out)->n_cached = -1;
   if (!body->scene->surface_pc2) return LITHE_OK;
   // of a run that goes on behind a cut the cache is complete
   if (resumes && has_other_points(body)) return LITHE_OK;

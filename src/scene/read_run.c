@@ -111,7 +111,8 @@ void lth_read_contact(LthReader *r) {
   scene->contact_damping = lth_read_number(contact, "damping", 0);
   scene->contact_bodies = lth_read_flag(contact, "bodies");
   int which = lth_read_word(contact, "points", points);
-  bool has_embed = scene->n_bodies > 0 && scene->bodies[0].has_embed;
+  bool has_embed = false;
+  for (LitheIndex b = 0; b < scene->n_bodies; b++) has_embed |= scene->bodies[b].has_embed;
   scene->contact_points = (LthContactPoints)which;
   if (which == LTH_POINTS_SURFACE && !has_embed)
     lth_report(r->report, lth_node_find(contact, "points"),
@@ -203,7 +204,8 @@ void lth_read_output(LthReader *r) {
   scene->surface_ply = names_format(surface, "ply");
   scene->surface_stl = names_format(surface, "stl");
   scene->output_in_file_space = lth_read_word(output, "space", spaces) == 1;
-  bool has_embed = scene->n_bodies > 0 && scene->bodies[0].has_embed;
+  bool has_embed = false;
+  for (LitheIndex b = 0; b < scene->n_bodies; b++) has_embed |= scene->bodies[b].has_embed;
   if (surface && !surface->is_default && !has_embed && !names_format(surface, "none") &&
       surface->n_children)
     lth_warn(

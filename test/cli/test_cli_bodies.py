@@ -339,4 +339,15 @@ with folder() as d:
     expect("check_lets_a_body_lean_on_another_as_run_does", leaning.returncode == 0, leaning.stderr)
     expect("a_loose_body_is_told_in_static_runs", got.returncode == 2 and "nothing holds the body against" in got.stderr, got.stderr)
 
+    surfaces = STACK.replace("output: {every: last}", "output: {every: last, surface: [obj]}").replace("duration: 0.6", "duration: 0.02")
+    for name, embed in (("no_body_has", ""), ("the_second_body_has", "    embed: {}\n")):
+        with open(os.path.join(d, "surfaces.yaml"), "w") as file:
+            file.write(surfaces.replace("gravity:", embed + "gravity:"))
+        got = run("run", "surfaces.yaml", "-o", name, "--json", cwd=d)
+        result = json.loads(got.stdout)
+        warned = [w for w in result["warnings"] if "embed" in json.dumps(w)]
+        written = [f for f in os.listdir(os.path.join(d, name)) if f.endswith(".obj")]
+        expect(name + "_a_surface_and_that_is_told", bool(warned) == (not embed) and bool(written) == bool(embed) and
+               all("surface" not in b for b in result["bodies"]), (warned, written, got.stderr))
+
 done()

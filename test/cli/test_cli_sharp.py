@@ -33,6 +33,7 @@ with folder() as d:
     expect("its_support_carries_its_weight", max(abs(reaction[0]), abs(reaction[1] - weight), abs(reaction[2])) <
            1e-9 * weight, reaction)
     expect("nothing_is_warned_of", not result["warnings"], result["warnings"])
+    expect("no_cut_is_told_of", "surface" not in body, body)
 
     got = run("mesh", "bracket.yaml", "-o", "m.vtu", "--json", "--set", "bodies.0.shape.resolution=0.3", cwd=d)
     volume = json.loads(got.stdout)["volume"]
