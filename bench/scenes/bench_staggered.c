@@ -1,21 +1,22 @@
 /// The staggered multigrid: an annulus in the plane and a ball (or a surface from a file) in space, held inside (at
 /// the bottom), under gravity. Phases in seconds (on one thread of the processor), unknowns a second from the shape to a true residual of 1e-8, bytes an
 /// unknown (fractions, discretisation, solver, right-hand side and solution), full multigrid in applications of the
-/// operator - its time over that of one, and its work, counted as it goes (0 in the mixed form) - and the operator against two memory bounds, both at the speed of STREAM's triad (24 bytes an entry) on as many
+/// operator - its time over that of one, and its work, counted as it goes - and the operator against two memory bounds, both at the speed of STREAM's triad (24 bytes an entry) on as many
 /// threads in the same run: "memory", 16 bytes a free unknown (each value of x read once, each of y written once, no
 /// coefficients), and "moved", the bytes that it cannot but move as things are stored: also places of x and y that are
-/// not free, samples of cells and edges where rows differ, and states near boundaries (0 in the mixed form).
+/// not free, samples of cells and edges where rows differ, and states near boundaries.
 ///
 ///   bench_staggered [--csv] [--threads N] [--dim 2|3] [--cells N] [--nu X] [--mesh FILE] [--export FILE]
 ///                   [--displacement]
 ///
-/// From nu = 0.45 on the mixed form is measured, unless `--displacement` is given; with its own operator where there are pressures.
+/// From nu = 0.45 on the mixed form is measured, unless `--displacement` is given. Where there are pressures, the operator and full multigrid are
+/// those of its displacements, a first guess.
 /// `--cells N`: this size alone, else a few. `--export FILE`: the matrix over free unknowns, for bench/peers/staggered.py.
 #include "base/tensor.h"
 #include "disc/staggered/staggered.h"
 #include "disc/staggered/staggered_coarsest.h"
-#include "disc/staggered/staggered_mixed_state.h"
 #include "disc/staggered/staggered_multigrid.h"
+#include "disc/staggered/staggered_priv.h"
 #include "io/surface_file.h"
 
 #include <math.h>
@@ -223,45 +224,20 @@ typedef struct Row {
 static void time_operator(LitheCtx *ctx, Body *b, Row *row) {
   row->apply = 1e9;
   for (int run = 0; run < 4; run++) {
-    double seconds, start = lth_now();
-    if (b->s->mixed) {
-      LthMixedLevel *l = &b->s->mixed->grid->level[0];
-      for (int i = 0; i < 3; i++) lth_mixed_residual(l, lth_threads(ctx), l->b, l->x, l->r);
-      seconds = (lth_now() - start) / 3;
-    } else {
-      check(ctx, lth_staggered_multigrid_time_apply(ctx, b->s->solver, 3, &seconds));
-      row->moved = (double)lth_staggered_multigrid_apply_bytes(b->s->solver);
-    }
+    double seconds;
+    check(ctx, lth_staggered_multigrid_time_apply(ctx, b->s->solver, 3, &seconds));
+    row->moved = (double)lth_staggered_multigrid_apply_bytes(b->s->solver);
     row->apply = fmin(row->apply, seconds);
   }
-}
-
-/// One pass of the mixed form's full multigrid, displacements into r.
-static void full_mixed(LitheCtx *ctx, Body *b) {
-  LthMixedLevel *l = &b->s->mixed->grid->level[0];
-  const double volume = lth_sparse_grid_cell_volume(b->s->grid);
-  memset(l->b, 0, sizeof *l->b * (size_t)lth_mixed_size(l));
-  for (LitheIndex i = 0; i < b->disc->n_funcs; i++)
-    for (int a = 0; a < b->s->dim; a++)
-      l->b[a * l->stride + b->s->slot[i]] = b->rhs[3 * (LitheCount)i + a] / volume;
-  check(ctx, lth_mixed_cycle(ctx, b->s->mixed->grid, true));
-  for (LitheIndex i = 0; i < b->disc->n_funcs; i++)
-    for (int a = 0; a < 3; a++)
-      b->r[3 * (LitheCount)i + a] = a < b->s->dim ? l->x[a * l->stride + b->s->slot[i]] : 0;
 }
 
 static void time_full(LitheCtx *ctx, Body *b, Row *row) {
   LitheCount n = b->disc->n_dofs;
   row->full = 1e9;
   for (int run = 0; run < 3; run++) {
-    double seconds, start = lth_now();
-    if (b->s->mixed) {
-      full_mixed(ctx, b);
-      seconds = lth_now() - start;
-    } else {
-      check(ctx, lth_staggered_multigrid_time_full(ctx, b->s->solver, b->rhs, 2, &seconds,
-                                                   &row->full_work));
-    }
+    double seconds;
+    check(ctx, lth_staggered_multigrid_time_full(ctx, b->s->solver, b->rhs, 2, &seconds,
+                                                 &row->full_work));
     row->full = fmin(row->full, seconds);
   }
   if (!b->s->mixed) check(ctx, lth_staggered_multigrid_full(ctx, b->s->solver, b->rhs, b->r));

@@ -26,15 +26,12 @@
 #define GRID_CELL_STATIC 5.0
 #define GRID_COARSER 1.2
 #define GRID_CLUSTERS 105.0
-#define GRID_OUTPUT 2.5e7   // buffers of files that are written
+#define GRID_OUTPUT 2.5e7 // buffers of files that are written, at most
+#define GRID_OUTPUT_UNKNOWN 60.0
 #define GRID_THIN 0.4       // share of cut cells from which a body is thin
-#define MIXED_SECONDS 6e-6  // and that of the mixed form
-#define MIXED_UNKNOWN 237.0 // vectors over unknowns
-#define MIXED_KEPT 12       // directions of its Krylov method ...
+#define MIXED_SECONDS 3e-6  // and that of the mixed form
+#define MIXED_KEPT 10       // directions of its Krylov method ...
 #define MIXED_TOUCH_KEPT 60 // ... and with contact
-#define MIXED_SLOT 350      // a slot of the operator of the displacement form, and pressures
-#define MIXED_LEVELS_2D 1.5 // all levels over the finest: blocks are fuller there
-#define MIXED_LEVELS_3D 1.3
 #define PROGRAM_BYTES 1.5e7
 #define POINT_SECONDS 2e-7 // integration and output, per boundary corner and output time
 
@@ -64,7 +61,7 @@ typedef struct Factor {
   bool is_beaten;       ///< by multigrid: as asked, or as `auto` will choose
   double grid_unknowns; ///< solved without a matrix
   double grid_bytes;    ///< for that
-  double mixed_bytes;   ///< what the mixed form takes beside
+  double mixed_bytes;   ///< what pressures take beside
   bool has_mesh;        ///< some body is not on a grid
 } Factor;
 
@@ -111,19 +108,14 @@ static void predict_cost(const LthScene *scene, double corners, const Factor *fa
                corners * POINT_SECONDS * (20 + f->frames);
 }
 
-/// What solves of the mixed form hold (src/disc/staggered/staggered_mixed.h): 2 directions of each step of the Krylov method and three
-/// vectors, of dim + 1 values a slot; a level's coefficients, neighbours and three vectors; boxes of cells near
-/// the boundary with their inverses; and the coarser levels.
+/// What pressures hold beside the displacement form (src/disc/staggered/staggered_mixed.h): vectors and directions of the Krylov method,
+/// tables of faces and cells, and the state of cells of nu = 0.5.
 static double mixed_bytes(const LthBody *body, const LthGridCount *count, bool touches) {
   const LthSparseGrid *g = body->staggered->fractions->grid;
-  const double n = (double)g->n_slots, dim = g->dim, m = 2 * dim + 1, cells = count->cells;
-  const double rim = dim == 3 ? 2 : 3; // of boxes, and the cut cells themselves
-  const double inner = pow(fmax(0, pow(cells, 1 / dim) - 2 * rim), dim);
-  double krylov = 8 * (dim + 1) * (3 + 2 * (touches ? MIXED_TOUCH_KEPT : MIXED_KEPT)) + 8;
-  double level = 8 * dim + 4 * (dim + 1) + 9 + 8 * (dim == 3 ? 6 : 4) + 24 * (dim + 1);
-  double listed = 4 * (dim + 2) * inner + 4 * (1 + m * m) * (cells - inner);
-  return n * (krylov + MIXED_SLOT) +
-         (n * level + listed) * (dim == 3 ? MIXED_LEVELS_3D : MIXED_LEVELS_2D);
+  const double tables = 4 * (g->dim + 1), funcs = (double)count->funcs, cells = count->cells;
+  const double vector = 40 + 16.0 * (touches ? MIXED_TOUCH_KEPT : MIXED_KEPT);
+  return (3 * funcs + cells) * vector + funcs * (tables + 25) + cells * (tables + 56) +
+         24 * (double)g->n_slots;
 }
 
 /// What a run with the displacement form holds.
@@ -133,7 +125,8 @@ static double grid_bytes(const LthStaggeredBody *s, const LthGridCount *count, b
   const double samples = g->dim == 3 ? 9 : 6, row = g->side;
   const double solver = GRID_VALUE * g->dim * row * (double)count->rows +
                         GRID_SAMPLE * samples * row * (double)count->own_rows;
-  return GRID_OUTPUT + GRID_SLOT * (double)g->n_slots + (is_thin ? 1 : GRID_COARSER) * solver +
+  return fmin(GRID_OUTPUT, GRID_OUTPUT_UNKNOWN * (double)count->unknowns) +
+         GRID_SLOT * (double)g->n_slots + (is_thin ? 1 : GRID_COARSER) * solver +
          (is_static ? GRID_FUNCTION_STATIC : GRID_FUNCTION) * (double)count->funcs +
          GRID_CUT * count->cut + (is_static ? GRID_CELL_STATIC : GRID_CELL) * count->cells +
          (is_thin ? GRID_CLUSTERS * (double)count->unknowns : 0);
@@ -168,12 +161,9 @@ static void add_grid(const LthScene *scene, const LthBody *body, Factor *factor,
   if (is_free) {
     factor->is_beaten = true;
     factor->grid_unknowns += (double)count.unknowns;
-    if (!has_pressures(body)) {
-      factor->grid_bytes += grid_bytes(s, &count, scene->time_kind == LTH_TIME_STATIC);
-      return;
-    }
-    factor->grid_bytes += MIXED_UNKNOWN * (double)count.unknowns;
-    factor->mixed_bytes += mixed_bytes(body, &count, scene->n_colliders > 0);
+    factor->grid_bytes += grid_bytes(s, &count, scene->time_kind == LTH_TIME_STATIC);
+    if (has_pressures(body))
+      factor->mixed_bytes += mixed_bytes(body, &count, scene->n_colliders > 0);
     return;
   }
   f->nonzeros += row * count.unknowns;

@@ -146,8 +146,8 @@ MUTANTS = {
         ("pressure", "disc/staggered/staggered_load.c", "row[b] = -pressure * C[3 * a + b];", "row[b] = -1.1 * pressure * C[3 * a + b];"),
     ],
     "mixed form": [
-        ("momentum", "disc/staggered/staggered_mixed.h", "double sum = (2 * l->mu[c] * (u[high] - u[c])", "double sum = (2.2 * l->mu[c] * (u[high] - u[c])"),
-        ("compressibility", "disc/staggered/staggered_mixed_operator.c", "l->compliance[c] * x[pressure];", "1.1 * l->compliance[c] * x[pressure];"),
+        ("momentum", "disc/staggered/staggered_mixed_operator.c", "f[3 * i + a] += per_h[a] *", "f[3 * i + a] += 1.1 * per_h[a] *"),
+        ("compressibility", "disc/staggered/staggered_mixed_operator.c", "m->compliance[c] * p[c]);", "1.1 * m->compliance[c] * p[c]);"),
         ("mean of compressibilities", "disc/staggered/staggered_weights.c", "m->compliance = volume_soft / n;", "m->compliance = 1.1 * volume_soft / n;"),
     ],
     "large deformation": [

@@ -85,7 +85,7 @@ bool lth_staggered_coarse_is_held(const LthStaggeredLevel *fine, const LitheInde
         any = true;
         thick &= is_thick(fine, c, a);
       }
-  if (!any || !thick || fine->compliance) return any;
+  if (!any || !thick) return any;
   for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
     for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
       for (c[0] = low[0]; c[0] <= high[0]; c[0]++) before += before_wall(fine, c, a);

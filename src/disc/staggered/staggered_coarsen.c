@@ -116,27 +116,6 @@ static CellValues box_mean(const LthStaggeredLevel *fine, const LitheIndex cell[
   return (CellValues){all->lambda * share, all->mu * share, all->volume * share};
 }
 
-/// Compliance of a coarse cell whose pressure stands for pressures in proportion to the stiffness of finer cells:
-/// one that jumps with mu would otherwise be thrown onto the soft side.
-static double compliance_mean(const LthStaggeredLevel *fine, const LthStaggeredLevel *coarse,
-                              const LitheIndex cell[3], LitheCount to) {
-  LitheIndex low[3], high[3];
-  const double mu = coarse->volume[to] > 0 ? coarse->mu[to] / coarse->volume[to] : 1;
-  double sum = 0;
-  lth_fine_box(fine->grid->dim, cell, 0, low, high);
-  for (LitheIndex k = low[2]; k <= high[2]; k++)
-    for (LitheIndex j = low[1]; j <= high[1]; j++)
-      for (LitheIndex i = low[0]; i <= high[0]; i++) {
-        LitheCount s = lth_slot_of(fine->grid, i, j, k);
-        if (s < 0 || !(fine->volume[s] > 0)) continue;
-        const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
-        const double factor = lth_wall_factor(&cuts);
-        double part = fine->mu[s] / factor / fine->volume[s] / mu;
-        sum += part * part * fine->compliance[s] * factor;
-      }
-  return sum / (fine->grid->dim == 3 ? 8 : 4);
-}
-
 /// Mass of a coarse face: fine faces in it, and half of those a fine cell to both sides. Held ones may have less than
 /// none (staggered_beyond.c).
 static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
@@ -163,7 +142,6 @@ static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coars
   coarse->lambda[s] = own.lambda;
   coarse->mu[s] = own.mu;
   if (fine->volume) coarse->volume[s] = own.volume;
-  if (fine->compliance) coarse->compliance[s] = compliance_mean(fine, coarse, cell, s);
   for (int e = 0; e < 3; e++)
     if (coarse->shear[e]) coarse->shear[e][s] = box_mean(fine, cell, 7 & ~(1 << e)).mu;
   for (int a = 0; a < g->dim; a++) {
@@ -326,7 +304,6 @@ static LitheStatus alloc_like(LitheCtx *ctx, const LthStaggeredLevel *fine,
   LitheStatus status = LITHE_OK;
   LITHE_TRY_OR(done, lth_staggered_level_alloc(ctx, grid, coarse));
   if (fine->volume) LTH_NEW_OR(done, ctx, coarse->volume, grid->n_slots);
-  if (fine->compliance) LTH_NEW_OR(done, ctx, coarse->compliance, grid->n_slots);
 done:
   if (status != LITHE_OK) lth_staggered_level_free(ctx, coarse);
   return status;

@@ -183,9 +183,8 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   drop_pressures(ctx, s);
   LITHE_TRY(lth_mixed_state_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
-  if (!s->level.compliance) LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
-  LITHE_TRY(lth_staggered_solver_create(ctx, s));
-  return s->level.compliance ? lth_mixed_solver_create(ctx, s) : LITHE_OK;
+  LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
+  return s->mixed ? lth_mixed_solver_create(ctx, s) : lth_staggered_solver_create(ctx, s);
 }
 
 LitheStatus lth_staggered_create(LitheCtx *ctx, const LthStaggeredDef *def, LthDisc **disc) {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#define MAX_SAMPLES 9
+#define MAX_SAMPLES 10
 #define SEEN_BITS 14 // of the table of rows met last
 
 LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
@@ -44,8 +44,9 @@ void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *l) {
 
 /// All samples that a level has.
 static int samples_of(LthStaggeredLevel *l, double **sample[MAX_SAMPLES]) {
-  double **all[MAX_SAMPLES] = {&l->lambda,  &l->mu,      &l->shear[0], &l->shear[1], &l->shear[2],
-                               &l->mass[0], &l->mass[1], &l->mass[2],  &l->volume};
+  double **all[MAX_SAMPLES] = {&l->lambda,   &l->mu,        &l->shear[0], &l->shear[1],
+                               &l->shear[2], &l->mass[0],   &l->mass[1],  &l->mass[2],
+                               &l->volume,   &l->compliance};
   int n = 0;
   for (int i = 0; i < MAX_SAMPLES; i++)
     if (*all[i]) sample[n++] = all[i];
@@ -94,7 +95,6 @@ LitheStatus lth_staggered_level_pack(LitheCtx *ctx, LthStaggeredLevel *l) {
   double **sample[MAX_SAMPLES];
   const int n_samples = samples_of(l, sample), side = l->grid->side;
   LitheIndex *seen;
-  LITHE_ASSERT(!l->compliance);
   LTH_NEW(ctx, seen, (LitheCount)1 << SEEN_BITS);
   l->n_rows = gather_rows(l, sample, n_samples, seen);
   lth_free(ctx, seen);

@@ -71,7 +71,7 @@ LitheStatus lth_staggered_level_alloc(LitheCtx *ctx, const LthSparseGrid *grid,
                                       LthStaggeredLevel *level);
 void lth_staggered_level_free(LitheCtx *ctx, LthStaggeredLevel *level);
 
-/// Keep rows of samples that are alike once. Not in the mixed form.
+/// Keep rows of samples that are alike once.
 LitheStatus lth_staggered_level_pack(LitheCtx *ctx, LthStaggeredLevel *level);
 static inline bool lth_staggered_level_is_packed(const LthStaggeredLevel *level) {
   return level->n_rows < level->grid->n_slots / level->grid->side;

@@ -114,12 +114,15 @@ LitheStatus lth_mixed_admit(LitheCtx *ctx, const LthDisc *disc, const double *u,
 
 void lth_mixed_center(const LthStaggered *s, double *pressure) {
   const LthMixedState *m = s->mixed;
+  const LthStaggeredLevel *l = &s->level;
   for (LitheIndex k = 0; k < m->n_closed; k++) {
     LitheIndex n = 0;
     double sum = 0;
     for (LitheIndex i = 0; i < m->n_stiff; i++)
-      if (m->closed[i] == k) n++, sum += s->level.volume[m->stiff[i]] * pressure[m->stiff[i]];
+      if (m->closed[i] == k)
+        n++, sum += lth_level_value(l, l->volume, m->stiff[i]) * pressure[m->stiff[i]];
     for (LitheIndex i = 0; i < m->n_stiff; i++)
-      if (m->closed[i] == k) pressure[m->stiff[i]] -= sum / n / s->level.volume[m->stiff[i]];
+      if (m->closed[i] == k)
+        pressure[m->stiff[i]] -= sum / n / lth_level_value(l, l->volume, m->stiff[i]);
   }
 }

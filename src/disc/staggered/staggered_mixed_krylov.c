@@ -1,47 +1,55 @@
 /// A Krylov method for the mixed form: minimal residuals over the last few directions, each a cycle of multigrid
 /// (Eisenstat, Elman, Schultz 1983; the preconditioner may change from step to step).
+// The residual is carried along, and computed anew each time that it has fallen so far that rounding, which lambda magnifies, would show. Directions
+// in single precision were tried: they do without contact, whose stiff springs show their rounding.
 #include "disc/staggered/staggered_mixed.h"
 
 #include <math.h>
 #include <string.h>
 
-#define KEPT 12 // directions
-#define MOST 60 // with a part that the levels do not know: every point that touches may need one
+#define KEPT 10    // directions
+#define MOST 60    // with a part that the levels do not know: every point that touches may need one
+#define BLOCK 4096 // of sums
+#define FALL 1e-2  // of the residual until it is computed anew
 
 struct LthMixedKrylov {
-  LitheCount size;
-  double *x, *b, *r;         ///< unknowns, right-hand side, residual
-  int kept;                  ///< directions that there is room for
-  double *z[MOST], *q[MOST]; ///< directions and weighted images, of unit size
-  double *weight;            ///< of constraint rows: what makes them forces [Pa/m]     (n + 1)
+  LitheCount size, n_blocks;
+  double *x, *b, *r; ///< unknowns, right-hand side, residual (its constraint rows weighted)
+  double *z, *q;     ///< the latest direction and its image
+  double *scratch;   ///< of `extra`, NULL before the first                         (size)
+  double *weight;    ///< of constraint rows: what makes them forces [Pa/m]     (n_cells)
+  int kept;          ///< directions that there is room for
+  double *zs[MOST], *qs[MOST]; ///< directions and weighted images, of unit size
+  double *sum;                 ///< (n_blocks x (MOST + 1))
 };
 
 /// Room for so many directions.
 static LitheStatus reserve(LitheCtx *ctx, LthMixedKrylov *k, int kept) {
   for (; k->kept < kept; k->kept++) {
-    LTH_NEW(ctx, k->z[k->kept], k->size);
-    LTH_NEW(ctx, k->q[k->kept], k->size);
+    LTH_NEW(ctx, k->zs[k->kept], k->size);
+    LTH_NEW(ctx, k->qs[k->kept], k->size);
   }
   return LITHE_OK;
 }
 
-static LitheStatus allocate(LitheCtx *ctx, const LthMixedLevel *l, LthMixedKrylov *k) {
-  k->size = lth_mixed_size(l);
-  LTH_NEW(ctx, k->x, k->size);
-  LTH_NEW(ctx, k->b, k->size);
-  LTH_NEW(ctx, k->r, k->size);
-  LTH_NEW(ctx, k->weight, l->n + 1);
+static LitheStatus allocate(LitheCtx *ctx, const LthMixed *m, LthMixedKrylov *k) {
+  const LthStaggeredLevel *l = &m->level;
+  k->size = lth_mixed_size(m);
+  k->n_blocks = (k->size + BLOCK - 1) / BLOCK;
+  double **vectors[] = {&k->x, &k->b, &k->r, &k->z, &k->q};
+  for (int i = 0; i < 5; i++) LTH_NEW(ctx, *vectors[i], k->size);
+  LTH_NEW(ctx, k->weight, m->n_cells);
+  LTH_NEW(ctx, k->sum, k->n_blocks * (MOST + 1));
   LITHE_TRY(reserve(ctx, k, KEPT));
-  for (LitheCount c = 0; c < l->n; c++)
-    if (l->flags[c] & LTH_MIXED_PRESSURE) k->weight[c] = l->mu[c] / (l->volume[c] * l->volume[c]);
-  for (LitheCount c = 0; c < l->n; c++) k->weight[c] *= l->per_h[0];
+  for (LitheIndex c = 0; c < m->n_cells; c++)
+    k->weight[c] =
+        lth_level_value(l, l->mu, m->slot[c]) / (m->volume[c] * m->volume[c]) / l->grid->h[0];
   return LITHE_OK;
 }
 
-LitheStatus lth_mixed_krylov_create(LitheCtx *ctx, const LthMixedLevel *l,
-                                    LthMixedKrylov **krylov) {
+LitheStatus lth_mixed_krylov_create(LitheCtx *ctx, const LthMixed *m, LthMixedKrylov **krylov) {
   LTH_NEW(ctx, *krylov, 1);
-  LitheStatus status = allocate(ctx, l, *krylov);
+  LitheStatus status = allocate(ctx, m, *krylov);
   if (status != LITHE_OK) lth_mixed_krylov_destroy(ctx, krylov);
   return status;
 }
@@ -50,112 +58,146 @@ void lth_mixed_krylov_destroy(LitheCtx *ctx, LthMixedKrylov **krylov) {
   LthMixedKrylov *k = *krylov;
   if (!k) return;
   for (int i = 0; i < MOST; i++) {
-    lth_free(ctx, k->z[i]);
-    lth_free(ctx, k->q[i]);
+    lth_free(ctx, k->zs[i]);
+    lth_free(ctx, k->qs[i]);
   }
-  lth_free(ctx, k->x);
-  lth_free(ctx, k->b);
-  lth_free(ctx, k->r);
-  lth_free(ctx, k->weight);
+  void *blocks[] = {k->x, k->b, k->r, k->z, k->q, k->scratch, k->weight, k->sum};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) lth_free(ctx, blocks[i]);
   lth_free(ctx, k);
   *krylov = NULL;
 }
 
 LitheCount lth_mixed_krylov_bytes(const LthMixedKrylov *k) {
-  return (LitheCount)sizeof(double) * k->size * (3 + 2 * k->kept);
+  return k->size * (5 + 2 * (LitheCount)k->kept) * 8;
 }
 
 double *lth_mixed_krylov_x(LthMixedKrylov *k) { return k->x; }
 double *lth_mixed_krylov_b(LthMixedKrylov *k) { return k->b; }
 
 /// Constraint rows times their weight, or over it.
-static void weigh(const LthMixedKrylov *k, const LthMixedLevel *l, int threads, bool inverse,
+static void weigh(const LthMixedKrylov *k, const LthMixed *m, int threads, bool inverse,
                   double *r) {
-  double *g = r + l->dim * l->stride;
+  double *g = r + m->n_dofs;
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheCount c = 0; c < l->n; c++)
-    if (k->weight[c] > 0) g[c] = inverse ? g[c] / k->weight[c] : g[c] * k->weight[c];
+  for (LitheIndex c = 0; c < m->n_cells; c++)
+    g[c] = inverse ? g[c] / k->weight[c] : g[c] * k->weight[c];
 }
 
-/// r = b - A x, weighted; b NULL: A x.
-static void residual(LthMixedKrylov *k, const LthMixedLevel *l, int threads,
-                     const LthMixedExtra *extra, const double *b, const double *x, double *r) {
-  lth_mixed_residual(l, threads, b, x, r);
-  if (extra) extra->subtract(extra->self, threads, x, r);
-  if (!b) {
+/// y = A x with weighted rows.
+static void apply(const LthMixedKrylov *k, const LthMixed *m, int threads, const LthOperator *extra,
+                  const double *x, double *y) {
+  lth_mixed_apply(m, threads, x, y);
+  weigh(k, m, threads, false, y);
+  if (!extra) return;
+  extra->apply(extra->self, threads, x, k->scratch);
 #pragma omp parallel for schedule(static) num_threads(threads)
-    for (LitheCount i = 0; i < k->size; i++) r[i] = -r[i];
-  }
-  weigh(k, l, threads, false, r);
+  for (LitheCount i = 0; i < m->n_dofs; i++)
+    if ((m->state[i / 3] >> 2 * (i % 3) & 3) == LTH_UNKNOWN_FREE) y[i] += k->scratch[i];
 }
 
-static void add(int threads, LitheCount n, double c, const double *x, double *y) {
+/// r = b - A x, weighted.
+static void find_residual(LthMixedKrylov *k, const LthMixed *m, int threads,
+                          const LthOperator *extra) {
+  apply(k, m, threads, extra, k->x, k->r);
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheCount i = 0; i < n; i++) y[i] += c * x[i];
-}
-
-static void scale(int threads, LitheCount n, double c, double *x) {
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheCount i = 0; i < n; i++) x[i] *= c;
-}
-
-/// z = one cycle for the residual.
-static LitheStatus precondition(LitheCtx *ctx, LthMixedKrylov *k, LthMixedGrid *g, bool full,
-                                double *z) {
-  LthMixedLevel *l = &g->level[0];
-  const size_t bytes = sizeof *z * (size_t)k->size;
-  memcpy(l->b, k->r, bytes);
-  weigh(k, l, lth_threads(ctx), true, l->b);
-  LITHE_TRY(lth_mixed_cycle(ctx, g, full));
-  memcpy(z, l->x, bytes);
-  return LITHE_OK;
+  for (LitheCount i = 0; i < k->size; i++)
+    k->r[i] = (i < m->n_dofs ? k->b[i] : k->b[i] * k->weight[i - m->n_dofs]) - k->r[i];
 }
 
 /// The residual of the displacements alone, once every pressure is what the divergence makes it: that of the
 /// constraint goes back to the momentum rows through lambda (at nu = 0.5 through `stiff` mu).
-static double primal_norm(LthMixedKrylov *k, LthMixedLevel *l, int threads, double stiff) {
-  const LitheCount pressure = l->dim * l->stride;
-  double *p = l->x + pressure, *r = l->r;
+static double primal_norm(LthMixedKrylov *k, const LthMixed *m, int threads, double stiff) {
+  const double unit = m->ck * lth_sparse_grid_cell_volume(m->level.grid);
+  double *f = k->q, *p = k->q + m->n_dofs;
+  memcpy(f, k->r, sizeof *f * (size_t)m->n_dofs);
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheCount c = 0; c < l->n; c++) {
-    const double V = l->volume[c];
-    p[c] = 0;
-    if (!(k->weight[c] > 0)) continue;
-    double lambda = l->compliance[c] > 0 ? V / l->compliance[c] : stiff * l->mu[c] / V;
-    p[c] = k->r[pressure + c] / k->weight[c] * lambda / V;
+  for (LitheIndex c = 0; c < m->n_cells; c++) {
+    const double per_lambda =
+        m->compliance[c] > 0 ? m->compliance[c] : 1 / (stiff * k->weight[c] * m->level.grid->h[0]);
+    p[c] = k->r[m->n_dofs + c] / (k->weight[c] * unit * per_lambda);
   }
+  lth_mixed_push(m, threads, m->ck, false, p, f);
+  return sqrt(lth_dot(threads, m->n_dofs, f, f));
+}
+
+/// sum[i] = q . q_i, and sum[n] = q . r: block by block, so that threads do not matter.
+static void project(LthMixedKrylov *k, int threads, int n, double *sum) {
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex c = 0; c < l->n; c++)
-    for (int a = 0; a < l->dim; a++) {
-      const LitheIndex low = l->next[2 * a][c];
-      double push = (l->volume[low] * p[low] - l->volume[c] * p[c]) * l->per_h[a];
-      r[a * l->stride + c] = l->flags[c] & LTH_MIXED_FREE << a ? k->r[a * l->stride + c] + push : 0;
+  for (LitheCount block = 0; block < k->n_blocks; block++) {
+    const LitheCount first = block * BLOCK;
+    const LitheCount end = first + BLOCK < k->size ? first + BLOCK : k->size;
+    for (int i = 0; i < n; i++) {
+      const double *q = k->qs[i];
+      double part = 0;
+#pragma omp simd reduction(+ : part)
+      for (LitheCount j = first; j < end; j++) part += k->q[j] * q[j];
+      k->sum[block * (MOST + 1) + i] = part;
     }
-  return sqrt(lth_dot(threads, pressure, r, r));
-}
-
-static void orthogonalise(LthMixedKrylov *k, int threads, int n, int slot) {
+  }
   for (int i = 0; i < n; i++) {
-    if (i == slot) continue;
-    double c = lth_dot(threads, k->size, k->q[slot], k->q[i]);
-    add(threads, k->size, -c, k->q[i], k->q[slot]);
-    add(threads, k->size, -c, k->z[i], k->z[slot]);
+    sum[i] = 0;
+    for (LitheCount block = 0; block < k->n_blocks; block++)
+      sum[i] += k->sum[block * (MOST + 1) + i];
   }
 }
 
-LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixedGrid *g,
-                                   const LthMixedExtra *extra, const LthMixedStop *stop,
+/// q and z less their parts along the directions that are kept.
+static void orthogonalise(LthMixedKrylov *k, int threads, int n) {
+  double sum[MOST];
+  project(k, threads, n, sum);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheCount block = 0; block < k->n_blocks; block++) {
+    const LitheCount first = block * BLOCK;
+    const LitheCount end = first + BLOCK < k->size ? first + BLOCK : k->size;
+    for (int i = 0; i < n; i++) {
+      const double *q = k->qs[i], *z = k->zs[i];
+      for (LitheCount j = first; j < end; j++) k->q[j] -= sum[i] * q[j];
+      for (LitheCount j = first; j < end; j++) k->z[j] -= sum[i] * z[j];
+    }
+  }
+}
+
+/// Keep z and q over |q|, and go along z until the residual no longer falls. False: nothing is left of q.
+static bool step_along(LthMixedKrylov *k, int threads, int slot) {
+  const double size = sqrt(lth_dot(threads, k->size, k->q, k->q));
+  if (!(size > 0)) return false;
+  const double step = lth_dot(threads, k->size, k->q, k->r) / (size * size);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheCount i = 0; i < k->size; i++) {
+    k->x[i] += step * k->z[i];
+    k->r[i] -= step * k->q[i];
+    k->zs[slot][i] = k->z[i] / size;
+    k->qs[slot][i] = k->q[i] / size;
+  }
+  return true;
+}
+
+/// Displacements of a body that pressures do nothing to.
+static LitheStatus guess(LitheCtx *ctx, LthMixedKrylov *k, LthMixed *m) {
+  memcpy(k->r, k->b, sizeof *k->r * (size_t)m->n_dofs);
+  lth_mixed_push(m, lth_threads(ctx), -m->ck, false, k->x + m->n_dofs, k->r);
+  return lth_staggered_multigrid_full(ctx, m->multigrid, k->r, k->x);
+}
+
+LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixed *m,
+                                   const LthOperator *extra, const LthMixedStop *stop,
                                    LthSolveReport *report) {
   const int threads = lth_threads(ctx), kept = extra ? MOST : KEPT;
-  LthMixedLevel *l = &g->level[0];
-  LITHE_TRY(reserve(ctx, k, kept));
-  double best = INFINITY;
+  double best = INFINITY, peak = 0;
   int idle = 0;
   *report = (LthSolveReport){0};
-  residual(k, l, threads, extra, k->b, k->x, k->r);
+  LITHE_TRY(reserve(ctx, k, kept));
+  if (extra && !k->scratch) LTH_NEW(ctx, k->scratch, k->size);
+  if (stop->start && !extra) LITHE_TRY(guess(ctx, k, m));
+  find_residual(k, m, threads, extra);
   for (;; report->iterations++) {
-    double now = stop->primal ? primal_norm(k, l, threads, stop->stiff)
-                              : sqrt(lth_dot(threads, k->size, k->r, k->r));
+    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    double now = primal_norm(k, m, threads, stop->stiff);
+    if (now < FALL * peak) {
+      find_residual(k, m, threads, extra);
+      peak = now = primal_norm(k, m, threads, stop->stiff);
+    }
+    peak = fmax(peak, now);
     report->residual = stop->size > 0 ? now / stop->size : now;
     report->converged = now <= stop->tolerance * stop->size;
     idle = now < 0.9 * best ? 0 : idle + 1;
@@ -163,17 +205,12 @@ LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixedGri
     if (report->converged || report->iterations >= stop->max_iterations || idle > 20 ||
         !isfinite(now))
       return LITHE_OK;
-    const int slot = report->iterations % kept,
-              n = report->iterations < kept ? report->iterations : kept;
-    LITHE_TRY(precondition(ctx, k, g, stop->full && report->iterations == 0, k->z[slot]));
-    residual(k, l, threads, extra, NULL, k->z[slot], k->q[slot]);
-    orthogonalise(k, threads, n, slot);
-    double size = sqrt(lth_dot(threads, k->size, k->q[slot], k->q[slot]));
-    if (!(size > 0)) return LITHE_OK;
-    scale(threads, k->size, 1 / size, k->q[slot]);
-    scale(threads, k->size, 1 / size, k->z[slot]);
-    double step = lth_dot(threads, k->size, k->q[slot], k->r);
-    add(threads, k->size, step, k->z[slot], k->x);
-    add(threads, k->size, -step, k->q[slot], k->r);
+    const int n = report->iterations < kept ? report->iterations : kept;
+    weigh(k, m, threads, true, k->r);
+    LITHE_TRY(lth_mixed_precondition(ctx, m, k->r, k->q, k->z));
+    weigh(k, m, threads, false, k->r);
+    apply(k, m, threads, extra, k->z, k->q);
+    orthogonalise(k, threads, n);
+    if (!step_along(k, threads, report->iterations % kept)) return LITHE_OK;
   }
 }

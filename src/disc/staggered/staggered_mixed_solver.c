@@ -1,4 +1,4 @@
-/// Solves of a body in the mixed form: LthDiscSolver on top of its multigrid (docs/theory/staggered-mixed.md).
+/// Solves of a body in the mixed form: LthDiscSolver on top of its Krylov method (docs/theory/staggered-mixed.md).
 ///
 /// The caller sees displacements alone. Where lambda is finite the answer is that of the displacement form, to its own
 /// measure of the residual. Where nu = 0.5 the divergence at the new place is zero, and the pressure that this takes is
@@ -8,47 +8,46 @@
 #include <math.h>
 #include <string.h>
 
-#define STAND_IN                                                                                   \
-  0.1 // of the extra operator's diagonal, in the levels: all of it holds what points do not see
 #define STIFF 10 // lambda over mu by which the divergence weighs in the residual where nu = 0.5
 
 static LthMixedState *state_of(const LthDisc *disc) { return lth_staggered_of(disc)->mixed; }
 
 static void force(const LthDisc *disc, int threads, const double *x, double *f) {
-  state_of(disc)->base->force(disc, threads, x, f);
+  const LthMixedState *m = state_of(disc);
+  lth_staggered_rest(disc, f);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (LitheCount i = 0; i < disc->n_dofs; i++) f[i] = x[i] - f[i];
+  lth_mixed_follow(m->system, threads, f);
+  lth_staggered_own_solver.force(disc, threads, x, f);
+  lth_mixed_push(m->system, threads, 1, true, m->system->push, f);
   lth_mixed_add_force(lth_staggered_const(disc), 1, f);
 }
 
 static void diagonal(const LthDisc *disc, double cm, double ck, double *d) {
-  state_of(disc)->base->diagonal(disc, cm, ck, d);
+  lth_staggered_own_solver.diagonal(disc, cm, ck, d);
 }
 
 static void apply(const LthDisc *disc, int threads, double cm, double ck, const double *x,
                   double *y) {
-  state_of(disc)->base->apply(disc, threads, cm, ck, x, y);
-}
-
-static LitheStatus allocate(LitheCtx *ctx, const LthStaggered *s, LthMixedState *m) {
-  if (!m->krylov) LITHE_TRY(lth_mixed_krylov_create(ctx, &m->grid->level[0], &m->krylov));
-  if (!m->from) LTH_NEW(ctx, m->from, s->disc.n_dofs);
-  if (!m->to) LTH_NEW(ctx, m->to, s->disc.n_dofs);
-  return LITHE_OK;
+  const LthMixed *system = state_of(disc)->system;
+  lth_mixed_follow(system, threads, x);
+  lth_staggered_own_solver.apply(disc, threads, cm, ck, x, y);
+  lth_mixed_push(system, threads, ck, false, system->push, y);
 }
 
 static LitheStatus prepare(LitheCtx *ctx, LthDisc *disc, double cm, double ck) {
-  LthStaggered *s = lth_staggered_of(disc);
-  LthMixedState *m = s->mixed;
-  m->ck = ck;
-  if (m->grid && m->inertia == cm / ck) return LITHE_OK;
-  if (m->grid && (cm == 0 || m->grid->level[0].mass[0])) {
-    LITHE_TRY(lth_mixed_grid_update(ctx, m->grid, cm, ck));
-  } else {
-    lth_mixed_grid_destroy(ctx, &m->grid);
-    LITHE_TRY(lth_mixed_grid_create(ctx, &s->level, cm, ck, &m->grid));
-  }
-  LITHE_TRY(allocate(ctx, s, m));
-  m->inertia = cm / ck;
-  return LITHE_OK;
+  LthMixedState *m = state_of(disc);
+  LITHE_TRY(lth_mixed_prepare(ctx, m->system, cm, ck));
+  if (!m->scratch) LTH_NEW(ctx, m->scratch, disc->n_dofs);
+  return m->krylov ? LITHE_OK : lth_mixed_krylov_create(ctx, m->system, &m->krylov);
+}
+
+static void release(LitheCtx *ctx, LthDisc *disc) {
+  LthMixedState *m = state_of(disc);
+  lth_staggered_own_solver.release(ctx, disc);
+  lth_mixed_krylov_destroy(ctx, &m->krylov);
+  lth_free(ctx, m->scratch);
+  m->scratch = NULL;
 }
 
 static LitheStatus aim(LitheCtx *ctx, LthDisc *disc, const double *u) {
@@ -60,125 +59,73 @@ static LitheStatus aim(LitheCtx *ctx, LthDisc *disc, const double *u) {
   return LITHE_OK;
 }
 
-/// Unknowns of the body to those of the level; 0 where they are not free.
-static void scatter(const LthStaggered *s, int threads, double c, const double *x, double *to) {
-  const LthMixedLevel *l = &s->mixed->grid->level[0];
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
-    for (int a = 0; a < s->dim; a++) {
-      const LitheCount slot = s->slot[i];
-      bool is_free = l->flags[slot] & LTH_MIXED_FREE << a;
-      to[a * l->stride + slot] = is_free ? c * x[3 * (LitheCount)i + a] : 0;
-    }
+/// lambda of a cell, all of it or what is in `system->soft`.
+static double lambda_of(const LthStaggered *s, const double *lambda, LitheIndex c) {
+  const LthMixed *system = s->mixed->system;
+  return lth_level_value(&s->level, lambda, system->slot[c]) / system->volume[c];
 }
 
-static void gather(const LthStaggered *s, int threads, const double *from, double *x) {
-  const LthMixedLevel *l = &s->mixed->grid->level[0];
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
-    for (int a = 0; a < 3; a++)
-      x[3 * (LitheCount)i + a] = a < s->dim ? from[a * l->stride + s->slot[i]] : 0;
-}
+static bool is_stiff(const LthMixed *system, LitheIndex c) { return system->compliance[c] == 0; }
 
-/// Volume of a cell times ck: what rows of the levels are divided by.
-static double unit_of(const LthStaggered *s) {
-  return lth_sparse_grid_cell_volume(s->grid) * s->mixed->ck;
-}
-
-typedef struct Extra {
-  const LthStaggered *s;
-  const LthOperator *extra;
-} Extra;
-
-static void subtract_extra(const void *self, int threads, const double *x, double *r) {
-  const Extra *e = self;
-  const LthStaggered *s = e->s;
-  const LthMixedLevel *l = &s->mixed->grid->level[0];
-  const double per_unit = 1 / unit_of(s);
-  gather(s, threads, x, s->mixed->from);
-  e->extra->apply(e->extra->self, threads, s->mixed->from, s->mixed->to);
-  for (int a = 0; a < s->dim && l->spring[a];
-       a++) // the levels' stand-in goes, what it stands for comes
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (LitheCount c = 0; c < l->n; c++)
-      if (l->flags[c] & LTH_MIXED_FREE << a)
-        r[a * l->stride + c] += (double)l->spring[a][c] * x[a * l->stride + c];
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (LitheIndex i = 0; i < s->disc.n_funcs; i++)
-    for (int a = 0; a < s->dim; a++)
-      if (l->flags[s->slot[i]] & LTH_MIXED_FREE << a)
-        r[a * l->stride + s->slot[i]] -= per_unit * s->mixed->to[3 * (LitheCount)i + a];
-}
-
-static LitheStatus stiffen(LitheCtx *ctx, LthDisc *disc, const double *diagonal) {
-  const LthStaggered *s = lth_staggered_const(disc);
-  LthMixedState *m = s->mixed;
-  LthMixedLevel *l = &m->grid->level[0];
-  if (!diagonal && !l->spring[0]) return LITHE_OK;
-  memset(l->r, 0, sizeof *l->r * (size_t)lth_mixed_size(l));
-  if (diagonal) scatter(s, lth_threads(ctx), STAND_IN / unit_of(s), diagonal, l->r);
-  return lth_mixed_grid_stiffen(ctx, m->grid, m->inertia);
-}
-
-static bool is_stiff(const LthMixedLevel *l, LitheIndex c) {
-  return (l->flags[c] & LTH_MIXED_PRESSURE) && l->compliance[c] == 0;
-}
-
-/// Constraint rows: at nu = 0.5 the divergence where positions would be for w = 0 is to vanish.
-static void set_constraints(const LthStaggered *s, double reach, double *b) {
-  const LthMixedLevel *l = &s->mixed->grid->level[0];
-  double *g = b + l->dim * l->stride;
-  for (LitheIndex c = 0; c < l->n; c++)
-    g[c] = is_stiff(l, c) ? -l->volume[c] * s->mixed->target[c] / reach : 0;
-}
-
-/// First pressures: what the divergence of w makes; at nu = 0.5 what takes back the augmented Lagrangian's part of
-/// the right-hand side.
-static void guess_pressures(const LthStaggered *s, double reach, double *x) {
+/// Pressure by w that takes back the augmented Lagrangian's part of the right-hand side, which is that of w = 0.
+static double take_back(const LthStaggered *s, double reach, LitheIndex c) {
   const LthMixedState *m = s->mixed;
-  const LthMixedLevel *l = &m->grid->level[0];
-  double *p = x + l->dim * l->stride;
-  for (LitheIndex c = 0; c < l->n; c++) {
-    p[c] = 0;
-    if (is_stiff(l, c))
-      p[c] = -reach / m->ck * s->level.lambda[c] / s->level.volume[c] * m->target[c];
-    else if (l->flags[c] & LTH_MIXED_PRESSURE)
-      p[c] = l->volume[c] / l->compliance[c] * lth_mixed_divergence(l, c, x);
-  }
+  return -reach / m->system->ck * lambda_of(s, s->level.lambda, c) * m->target[m->system->slot[c]];
+}
+
+/// Right-hand side: forces, and at nu = 0.5 the divergence where positions would be for w = 0, which is to vanish.
+static void set_right_side(const LthStaggered *s, double reach, const double *rhs, double *b) {
+  const LthMixed *system = s->mixed->system;
+  const double unit = system->ck * lth_sparse_grid_cell_volume(s->grid);
+  for (LitheCount i = 0; i < system->n_dofs; i++) b[i] = s->held[i] ? 0 : rhs[i];
+  for (LitheIndex c = 0; c < system->n_cells; c++)
+    b[system->n_dofs + c] =
+        is_stiff(system, c) ? -unit * system->volume[c] * s->mixed->target[system->slot[c]] / reach
+                            : 0;
+}
+
+/// First pressures: what the rest of lambda makes of the divergence of w; at nu = 0.5 what takes back, less what `soft` has of it.
+static void guess_pressures(const LthStaggered *s, int threads, double reach, double *x) {
+  const LthMixed *system = s->mixed->system;
+  double *p = x + system->n_dofs;
+  lth_mixed_divergence(system, threads, x, p);
+  for (LitheIndex c = 0; c < system->n_cells; c++)
+    p[c] = is_stiff(system, c)
+               ? take_back(s, reach, c) - lambda_of(s, system->soft.lambda, c) * p[c]
+               : system->rest[c] / system->volume[c] * p[c];
 }
 
 /// Size of the right-hand side without the augmented Lagrangian's part, which would hide all else where the divergence
 /// is yet to be mended.
-static double size_of_load(const LthStaggered *s, int threads, const double *x, const double *b) {
-  LthMixedLevel *l = &s->mixed->grid->level[0];
-  const double *p = x + l->dim * l->stride;
-  const LitheCount n = l->dim * l->stride;
-  double all = sqrt(lth_dot(threads, n, b, b));
-  if (!s->mixed->pressure) return all;
-  for (LitheIndex c = 0; c < l->n; c++)
-    for (int a = 0; a < l->dim; a++) {
-      const LitheIndex low = l->next[2 * a][c];
-      double push = 0;
-      if (is_stiff(l, low)) push += l->volume[low] * p[low];
-      if (is_stiff(l, c)) push -= l->volume[c] * p[c];
-      bool is_free = l->flags[c] & LTH_MIXED_FREE << a;
-      l->r[a * l->stride + c] = is_free ? b[a * l->stride + c] - push * l->per_h[a] : 0;
-    }
-  double rest = sqrt(lth_dot(threads, n, l->r, l->r));
+static double size_of_load(const LthStaggered *s, int threads, double reach, const double *b) {
+  const LthMixedState *m = s->mixed;
+  const LthMixed *system = m->system;
+  const LitheCount n = system->n_dofs;
+  const double all = sqrt(lth_dot(threads, n, b, b));
+  if (!m->pressure) return all;
+  for (LitheIndex c = 0; c < system->n_cells; c++)
+    system->push[c] = is_stiff(system, c) ? take_back(s, reach, c) : 0;
+  memcpy(m->scratch, b, sizeof *b * (size_t)n);
+  lth_mixed_push(system, threads, -system->ck, false, system->push, m->scratch);
+  const double rest = sqrt(lth_dot(threads, n, m->scratch, m->scratch));
   return fmin(all, fmax(rest, all / LTH_PENALTY));
 }
 
 /// What the pressures have become, less what the augmented Lagrangian adds at the new place.
-static void keep_pressures(const LthStaggered *s, double reach, const double *x) {
+static void keep_pressures(const LthStaggered *s, int threads, double reach, const double *x) {
   const LthMixedState *m = s->mixed;
-  const LthMixedLevel *l = &m->grid->level[0];
-  for (LitheIndex c = 0; m->pressure && c < l->n; c++) {
-    if (!(l->flags[c] & LTH_MIXED_PRESSURE) || l->compliance[c] != 0) continue;
-    double moved = reach * lth_mixed_divergence(l, c, x);
-    m->latest[c] = m->pressure[c] + m->ck / reach * x[l->dim * l->stride + c] -
-                   s->level.lambda[c] / s->level.volume[c] * moved;
+  const LthMixed *system = m->system;
+  if (!m->pressure) return;
+  lth_mixed_divergence(system, threads, x, system->push);
+  for (LitheIndex c = 0; c < system->n_cells; c++) {
+    const LitheIndex slot = system->slot[c];
+    const double moved = system->push[c], soft = lambda_of(s, system->soft.lambda, c);
+    if (is_stiff(system, c))
+      m->latest[slot] = m->pressure[slot] +
+                        system->ck / reach * (x[system->n_dofs + c] + soft * moved) -
+                        lambda_of(s, s->level.lambda, c) * reach * moved;
   }
-  if (m->pressure) lth_mixed_center(s, m->latest);
+  lth_mixed_center(s, m->latest);
 }
 
 static LitheStatus solve(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra, double reach,
@@ -187,31 +134,27 @@ static LitheStatus solve(LitheCtx *ctx, LthDisc *disc, const LthOperator *extra,
   const LthStaggered *s = lth_staggered_const(disc);
   LthMixedState *m = s->mixed;
   const int threads = lth_threads(ctx);
+  const LitheCount n = disc->n_dofs;
   double *x = lth_mixed_krylov_x(m->krylov), *b = lth_mixed_krylov_b(m->krylov);
-  const Extra self = {s, extra};
-  const LthMixedExtra more = {subtract_extra, &self};
-  LthMixedStop stop = {.tolerance = tolerance,
-                       .max_iterations = max_iterations,
-                       .full = !(lth_dot(threads, disc->n_dofs, w, w) > 0),
-                       .primal = true,
-                       .stiff = STIFF};
-  scatter(s, threads, 1, w, x);
-  scatter(s, threads, 1 / unit_of(s), rhs, b);
-  set_constraints(s, reach, b);
-  guess_pressures(s, reach, x);
-  stop.size = size_of_load(s, threads, x, b);
-  LITHE_TRY(lth_mixed_krylov_solve(ctx, m->krylov, m->grid, extra ? &more : NULL, &stop, report));
-  keep_pressures(s, reach, x);
-  gather(s, threads, x, w);
+  set_right_side(s, reach, rhs, b);
+  for (LitheCount i = 0; i < n; i++) x[i] = s->held[i] ? 0 : w[i];
+  guess_pressures(s, threads, reach, x);
+  const LthMixedStop stop = {.tolerance = tolerance,
+                             .size = size_of_load(s, threads, reach, b),
+                             .max_iterations = max_iterations,
+                             .stiff = STIFF,
+                             .start = !(lth_dot(threads, n, x, x) > 0)};
+  LITHE_TRY(lth_mixed_krylov_solve(ctx, m->krylov, m->system, extra, &stop, report));
+  keep_pressures(s, threads, reach, x);
+  memcpy(w, x, sizeof *w * (size_t)n);
   return LITHE_OK;
 }
 
 static LitheCount bytes(const LthDisc *disc) {
   const LthMixedState *m = state_of(disc);
-  LitheCount sum = m->base->bytes(disc);
-  if (m->grid) sum += lth_mixed_grid_bytes(m->grid);
+  LitheCount sum = lth_mixed_bytes(m->system);
   if (m->krylov) sum += lth_mixed_krylov_bytes(m->krylov);
-  return sum;
+  return sum + (m->scratch ? 8 * disc->n_dofs : 0);
 }
 
 static const LthDiscSolver solver = {.force = force,
@@ -220,12 +163,13 @@ static const LthDiscSolver solver = {.force = force,
                                      .prepare = prepare,
                                      .solve = solve,
                                      .aim = aim,
-                                     .stiffen = stiffen,
+                                     .release = release,
                                      .bytes = bytes};
 
 LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s) {
   LthMixedState *m = s->mixed;
-  m->base = s->table.solver;
+  LITHE_TRY(lth_mixed_create(ctx, &s->level, s->func, s->disc.n_dofs, &m->system));
+  s->solver = m->system->multigrid;
   s->table.solver = &solver;
   if (m->pressure) LTH_NEW(ctx, m->target, s->grid->n_slots);
   if (m->pressure) LTH_NEW(ctx, m->strain, m->n_stiff);
@@ -235,11 +179,9 @@ LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s) {
 void lth_mixed_solver_destroy(LitheCtx *ctx, LthStaggered *s) {
   LthMixedState *m = s->mixed;
   if (!m) return;
-  if (m->base) s->table.solver = m->base;
   lth_mixed_krylov_destroy(ctx, &m->krylov);
-  lth_mixed_grid_destroy(ctx, &m->grid);
+  lth_mixed_destroy(ctx, &m->system);
   lth_free(ctx, m->target);
   lth_free(ctx, m->strain);
-  lth_free(ctx, m->from);
-  lth_free(ctx, m->to);
+  lth_free(ctx, m->scratch);
 }

@@ -37,9 +37,13 @@ double lth_mixed_trace(const LthStaggered *s, LitheCount slot, const double *u) 
   return sum;
 }
 
+static double volume_of(const LthStaggered *s, LitheCount slot) {
+  return lth_level_value(&s->level, s->level.volume, slot);
+}
+
 /// f += C^T W q of one cell.
 static void push_faces(const LthStaggered *s, LitheCount slot, double q, double *f) {
-  const double volume = lth_sparse_grid_cell_volume(s->grid) * s->level.volume[slot];
+  const double volume = lth_sparse_grid_cell_volume(s->grid) * volume_of(s, slot);
   LitheCount high[3];
   lth_mixed_high_faces(s, slot, high);
   for (int a = 0; a < s->dim; a++) {
@@ -55,8 +59,8 @@ static void scales(const LthDisc *disc, double *volume, double *lambda) {
   const LthStaggered *s = lth_staggered_const(disc);
   for (LitheIndex i = 0; i < s->mixed->n_stiff; i++) {
     const LitheIndex slot = s->mixed->stiff[i];
-    volume[i] = lth_sparse_grid_cell_volume(s->grid) * s->level.volume[slot];
-    lambda[i] = s->level.lambda[slot] / s->level.volume[slot];
+    volume[i] = lth_sparse_grid_cell_volume(s->grid) * volume_of(s, slot);
+    lambda[i] = lth_level_value(&s->level, s->level.lambda, slot) / volume_of(s, slot);
   }
 }
 
@@ -142,7 +146,7 @@ double lth_mixed_energy(const LthStaggered *s, const double *x) {
   double sum = 0;
   for (LitheIndex i = 0; m && i < m->n_stiff; i++) {
     const LitheIndex slot = m->stiff[i];
-    sum += s->level.volume[slot] * m->latest[slot] * (lth_mixed_trace(s, slot, x) - s->dim);
+    sum += volume_of(s, slot) * m->latest[slot] * (lth_mixed_trace(s, slot, x) - s->dim);
   }
   return sum * lth_sparse_grid_cell_volume(s->grid);
 }

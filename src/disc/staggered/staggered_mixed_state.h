@@ -13,13 +13,11 @@ struct LthMixedState {
   LitheIndex *closed;  ///< part of a cell of these, or -1; NULL where n_closed is 0       (n_stiff)
   double *net, *flow;  ///< of a part: scratch                                         (n_closed)
 
-  const LthDiscSolver *base; ///< of the displacement form: products with K
-  LthMixedGrid *grid;        ///< once prepared, for M inertia + K
-  double inertia, ck;        ///< cm / ck [1/s^2]; ck of the solve at hand
-  LthMixedKrylov *krylov;
-  double *target;    ///< tr e where w = 0; NULL where nu is below 0.5    (n_slots)
-  double *strain;    ///< the same of `stiff`                             (n_stiff)
-  double *from, *to; ///< scratch                                         (n_dofs)
+  LthMixed *system;       ///< its multigrid is the body's
+  LthMixedKrylov *krylov; ///< once prepared
+  double *target;         ///< tr e where w = 0; NULL where nu is below 0.5    (n_slots)
+  double *strain;         ///< the same of `stiff`                             (n_stiff)
+  double *scratch;        ///< (n_dofs)
 };
 
 /// Which parts are held on all sides, once `stiff` is there (staggered_mixed_closed.c).

@@ -132,6 +132,7 @@ LitheStatus lth_staggered_project(LitheCtx *ctx, const LthDisc *disc,
 // staggered_solver.c
 
 /// Matrix-free solves for a linear body in displacement form: sets the table's solver, and destroys what it set.
+extern const LthDiscSolver lth_staggered_own_solver;
 LitheStatus lth_staggered_solver_create(LitheCtx *ctx, LthStaggered *s);
 void lth_staggered_solver_destroy(LitheCtx *ctx, LthStaggered *s);
 
@@ -157,6 +158,6 @@ double lth_mixed_pressure(const LthStaggered *s, LitheCount slot);
 
 // staggered_mixed_solver.c
 
-/// Solves of the mixed form, on top of the table's solver for products; needs the state.
+/// Solves of the mixed form, instead; needs the state.
 LitheStatus lth_mixed_solver_create(LitheCtx *ctx, LthStaggered *s);
 void lth_mixed_solver_destroy(LitheCtx *ctx, LthStaggered *s);

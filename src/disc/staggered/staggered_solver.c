@@ -54,13 +54,13 @@ static LitheCount bytes(const LthDisc *disc) {
   return lth_staggered_multigrid_bytes(multigrid_of(disc));
 }
 
-static const LthDiscSolver solver = {.force = force,
-                                     .diagonal = diagonal,
-                                     .apply = apply,
-                                     .prepare = prepare,
-                                     .solve = solve,
-                                     .release = release,
-                                     .bytes = bytes};
+const LthDiscSolver lth_staggered_own_solver = {.force = force,
+                                                .diagonal = diagonal,
+                                                .apply = apply,
+                                                .prepare = prepare,
+                                                .solve = solve,
+                                                .release = release,
+                                                .bytes = bytes};
 
 LitheStatus lth_staggered_solver_create(LitheCtx *ctx, LthStaggered *s) {
   const LthStaggeredMultigridDef def = {
@@ -68,11 +68,12 @@ LitheStatus lth_staggered_solver_create(LitheCtx *ctx, LthStaggered *s) {
   LthStaggeredMultigrid *multigrid = NULL;
   LITHE_TRY(lth_staggered_multigrid_create(ctx, &def, &multigrid));
   s->solver = multigrid;
-  s->table.solver = &solver;
+  s->table.solver = &lth_staggered_own_solver;
   return LITHE_OK;
 }
 
 void lth_staggered_solver_destroy(LitheCtx *ctx, LthStaggered *s) {
   LthStaggeredMultigrid *multigrid = s->solver;
-  if (s->table.solver == &solver) lth_staggered_multigrid_destroy(ctx, &multigrid);
+  if (s->table.solver == &lth_staggered_own_solver)
+    lth_staggered_multigrid_destroy(ctx, &multigrid);
 }

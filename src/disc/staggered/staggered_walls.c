@@ -224,7 +224,6 @@ static void stiffen(LthStaggeredLevel *l, const LthStaggeredWall *wall) {
   const double factor = lth_wall_factor(&c);
   l->lambda[wall->slot] *= factor;
   l->mu[wall->slot] *= factor;
-  if (l->compliance) l->compliance[wall->slot] /= factor;
   for (int e = 0; e < 3; e++) {
     if (!l->shear[e]) continue;
     const LthWallCuts cut = cuts_of(wall, l->grid->dim, e);

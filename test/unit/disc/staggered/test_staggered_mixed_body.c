@@ -159,7 +159,8 @@ static double worst_divergence(const LameBody *L) {
       any |= sg_is_free(b, 3 * (LitheCount)b->s->func[slot] + a) ||
              sg_is_free(b, 3 * (LitheCount)b->s->func[high] + a);
     }
-    if (any) most = fmax(most, b->s->level.volume[slot] * fabs(lth_mixed_trace(b->s, slot, u)));
+    const double V = lth_level_value(&b->s->level, b->s->level.volume, slot);
+    if (any) most = fmax(most, V * fabs(lth_mixed_trace(b->s, slot, u)));
   }
   lth_free(b->ctx, u);
   return most * pow(L->exact.inner, L->exact.dim) / L->exact.B;
