@@ -154,6 +154,37 @@ static void holes_within_one_cell_are_exact(void **state) {
               6 + 2 * (0.03 * 0.04 + 0.04 * 0.02 + 0.02 * 0.03) - 2 * 0.02 * 0.03 + 2 * 0.05);
 }
 
+static void normal_of(const LthSurface *s, LitheIndex t, double normal[3]) {
+  double e[3], f[3];
+  lth_v3_sub(tri_point(s, t, 1), tri_point(s, t, 0), e);
+  lth_v3_sub(tri_point(s, t, 2), tri_point(s, t, 0), f);
+  lth_v3_cross(e, f, normal);
+  lth_v3_normalize(normal);
+}
+
+typedef struct Side {
+  Half ends; ///< in rising order
+  LitheIndex tri;
+} Side;
+
+/// No two neighbours face each other: parts here meet at right angles and wider.
+static void check_unfolded(const LthSurface *s) {
+  LitheIndex n = 3 * s->n_tris;
+  Side *side = calloc((size_t)n, sizeof *side);
+  for (LitheIndex h = 0; h < n; h++) {
+    LitheIndex a = s->tris[h], b = s->tris[h / 3 * 3 + (h % 3 + 1) % 3];
+    side[h] = (Side){{a < b ? a : b, a < b ? b : a}, h / 3};
+  }
+  qsort(side, (size_t)n, sizeof *side, compare_halves);
+  for (LitheIndex h = 0; h < n; h += 2) {
+    double p[3], q[3];
+    normal_of(s, side[h].tri, p);
+    normal_of(s, side[h + 1].tri, q);
+    CHECK_AT_LEAST(lth_v3_dot(p, q), -0.8);
+  }
+  free(side);
+}
+
 /// Errors fall by nearly four from one resolution to the next; from the start they are below `bound`.
 static void check_second_order(LitheCtx *ctx, const LthShape *shape, double volume, double area,
                                double bound) {
@@ -163,6 +194,7 @@ static void check_second_order(LitheCtx *ctx, const LthShape *shape, double volu
     double error[2] = {fabs(lth_surface_volume(s) / volume - 1),
                        area > 0 ? fabs(lth_surface_area(s) / area - 1) : 0};
     assert_int_equal(count_crossings(ctx, s), 0);
+    check_unfolded(s);
     CHECK_AT_MOST(error[0], bound / (1 << 2 * level));
     CHECK_AT_MOST(error[1], bound / (1 << 2 * level));
     if (level > 0) CHECK_AT_LEAST(log2(last[0] / error[0]), 1.7);
