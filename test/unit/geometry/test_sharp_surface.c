@@ -136,6 +136,18 @@ static void random_boxes_have_the_volume_of_the_set_operation(void **state) {
   }
 }
 
+static void an_l_far_from_the_origin_is_as_exact(void **state) {
+  Fixture *f = *state;
+  const double o = 1e5;
+  LthShape part[] = {box(o, o, o, o + 1, o + 0.3, o + 0.5),
+                     box(o, o + 0.3, o, o + 0.3, o + 1, o + 0.5)};
+  LthShape l = join(LTH_SHAPE_UNION, 2, part);
+  double volume = volume_of_boxes(&l); // of the places as they are stored
+  LthSurface *s = surface_of(f->ctx, &l, 0.06);
+  CHECK_NEAR(lth_surface_volume(s), volume, 1e-12 * volume);
+  lth_surface_destroy(f->ctx, &s);
+}
+
 static void walls_much_thinner_than_the_resolution_are_exact(void **state) {
   Fixture *f = *state;
   LthShape part[] = {box(0, 0, 0, 1, 1, 1), box(0.003, 0.004, 0.005, 0.99, 0.98, 2)};
@@ -373,6 +385,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       TEST(an_l_of_two_boxes_is_exact_whether_they_overlap_or_touch),
       TEST(random_boxes_have_the_volume_of_the_set_operation),
+      TEST(an_l_far_from_the_origin_is_as_exact),
       TEST(walls_much_thinner_than_the_resolution_are_exact),
       TEST(holes_within_one_cell_are_exact),
       TEST(curved_parts_converge_with_second_order),
