@@ -7,6 +7,7 @@
 #define BISECTIONS 48
 #define END_DISTANCE 1e-4 ///< of an edge: how near a point is brought to its ends
 #define DIFFERENCE 1e-4   ///< of a simplex: derivatives are right to its square
+#define TURNED 0.5        ///< cosine of the angle that a triangle may turn by
 #define STEPS 12
 #define SETTLED 1e-13 ///< of a simplex
 
@@ -145,12 +146,12 @@ static void normal_of(const LthSharp *s, const double *points, LitheIndex tri, d
   lth_v3_cross(e, f, normal);
 }
 
-/// Has a triangle turned over, or have corners of it come together?
+/// Has a triangle turned far, or have corners of it come together?
 static bool is_spoilt(const LthSharp *s, const double *to, LitheIndex tri) {
   double before[3], after[3];
   normal_of(s, s->points, tri, before);
   normal_of(s, to, tri, after);
-  if (lth_v3_dot(before, after) <= 0) return true;
+  if (lth_v3_dot(before, after) <= TURNED * lth_v3_norm(before) * lth_v3_norm(after)) return true;
   for (int k = 0; k < 3; k++)
     if (lth_v3_distance(corner_at(s, to, tri, k), corner_at(s, to, tri, (k + 1) % 3)) <
         END_DISTANCE * s->h)

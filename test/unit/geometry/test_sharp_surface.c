@@ -192,7 +192,7 @@ static void check_unfolded(const LthSurface *s) {
     double p[3], q[3];
     normal_of(s, side[h].tri, p);
     normal_of(s, side[h + 1].tri, q);
-    CHECK_AT_LEAST(lth_v3_dot(p, q), -0.8);
+    CHECK_AT_LEAST(lth_v3_dot(p, q), -0.85);
   }
   free(side);
 }
