@@ -16,9 +16,6 @@
 #define LEVELS_CYCLE 4.5             // products
 #define LEVELS_ITERATIONS 60         // what multigrid is expected to take for an equilibrium
 #define LEVELS_STEP_ITERATIONS 20    // and in a step
-#define OWN_CONTACT_UNKNOWNS                                                                       \
-  300000 // contact is better preconditioned with a matrix, where that is small enough
-#define OWN_CONTACT_VOLUME 10000 // the same of bodies that keep their volume
 
 LitheStatus lth_step_analyse(LitheCtx *ctx, LthSimulation *s) {
   if (s->factor) return LITHE_OK;
@@ -59,17 +56,8 @@ bool lth_step_prefers_levels(const LthBlockMatrix *A, double flops) {
   return flops > CHOLESKY_SMALL && FLOP_COST * flops > levels;
 }
 
-/// Unknowns from which on a body with contact does without a matrix. Pressures are unknowns of its own solver, and of
-/// loops around those with a matrix: a ball of nu = 0.5 at 16 cells takes a third of the time, at 8 cells twice.
-static LitheCount least_with_contact(const LthSystem *system) {
-  return system->bodies[0].disc->table->volume ? OWN_CONTACT_VOLUME : OWN_CONTACT_UNKNOWNS;
-}
-
 bool lth_step_needs_no_matrix(const LthSystem *system, const LthStepOptions *o) {
   if (o->needs_matrix || (o->linear != LTH_LINEAR_AUTO && o->linear != LTH_LINEAR_MULTIGRID))
-    return false;
-  if (system->n_contacts > 0 && o->linear == LTH_LINEAR_AUTO &&
-      system->n < least_with_contact(system))
     return false;
   return lth_system_solver(system) != NULL;
 }

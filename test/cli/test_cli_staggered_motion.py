@@ -61,6 +61,26 @@ output: {every: 0.1, fields: none, surface: [pc2]}
     expect("nodes_of_the_boundary_carry_it_too", abs(result["contact"]["force"] / (MASS * G) - 1) < 0.05,
            result["contact"])
 
+    # a ball that slides as it lands, all the way to nu = 0.5: without a matrix, and as with one
+    landing = BALL.replace("30 kPa", "100 kPa").replace("0.3, density", "%g, density").replace("radius: 0.1", "radius: 0.05")
+    landing = landing.replace("cells: 6", "cells: 10")
+    for nu in (0.3, 0.4999, 0.5):
+        got = {}
+        for linear in ("auto", "cholesky"):
+            got[linear], history = simulate(home, "landing", landing % ("ball", 0, 0.055, nu, "staggered", "") + """
+    initial: {velocity: [0.3, -1, 0]}
+gravity: [0, -9.81, 0]
+colliders: [{plane: {point: [0, 0, 0], normal: [0, 1, 0]}}]
+contact: {friction: 0.3}
+time: {kind: dynamic, integrator: newmark, duration: 0.03, step: 1/500}
+output: {every: last, fields: none}
+""", "--set", "solver.linear=" + linear)
+        auto, other = got["auto"], got["cholesky"]
+        expect("a_ball_of_nu_%g_lands_without_a_matrix" % nu, auto["status"] == "done" and auto["solver"]["linear"] == "multigrid",
+               auto["solver"])
+        expect("as_it_does_with_one", abs(auto["energy"]["kinetic"] / other["energy"]["kinetic"] - 1) < 1e-3,
+               (auto["energy"], other["energy"]))
+
     two = BALL % ("left", -0.11, 0, "staggered", "") + "    initial: {velocity: [1, 0, 0]}\n"
     two += BALL % ("right", 0.11, 0, "dg", ", degree: 1") + "    initial: {velocity: [-1, 0, 0]}\n"
     result, history = simulate(home, "impact", two + """

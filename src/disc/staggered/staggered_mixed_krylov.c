@@ -11,6 +11,8 @@
 #define MOST 60    // with a part that the levels do not know: every point that touches may need one
 #define BLOCK 4096 // of sums
 #define FALL 1e-2  // of the residual until it is computed anew
+#define PATIENCE 20 // steps in which the residual does not fall by a tenth, until it is given up
+#define PATIENCE_TOUCHED 200 // where every point that touches may need a step
 
 struct LthMixedKrylov {
   LitheCount size, n_blocks;
@@ -183,6 +185,7 @@ LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixed *m
                                    const LthOperator *extra, const LthMixedStop *stop,
                                    LthSolveReport *report) {
   const int threads = lth_threads(ctx), kept = extra ? MOST : KEPT;
+  const int patience = extra ? PATIENCE_TOUCHED : PATIENCE;
   double best = INFINITY, peak = 0;
   int idle = 0;
   *report = (LthSolveReport){0};
@@ -202,7 +205,7 @@ LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixed *m
     report->converged = now <= stop->tolerance * stop->size;
     idle = now < 0.9 * best ? 0 : idle + 1;
     best = fmin(best, now);
-    if (report->converged || report->iterations >= stop->max_iterations || idle > 20 ||
+    if (report->converged || report->iterations >= stop->max_iterations || idle > patience ||
         !isfinite(now))
       return LITHE_OK;
     const int n = report->iterations < kept ? report->iterations : kept;
