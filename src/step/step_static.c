@@ -215,6 +215,30 @@ static LitheStatus go_back(LitheCtx *ctx, LthSimulation *s, Search *q, double un
   return LITHE_OK;
 }
 
+/// A linear body that something does not hold goes so far that the rounding of K u is of the size of the loads: then no
+/// residual tells whether forces balance.
+static LitheStatus check_reach(LitheCtx *ctx, LthSimulation *s) {
+  const double loads = lth_step_norm(ctx, s->n, s->f_ext);
+  if (s->system->warped || s->has_contact || !(loads > 0)) return LITHE_OK;
+  for (LitheCount i = 0; i < s->n; i++)
+    if (s->driven[i] != 0) return LITHE_OK;
+  const double *u = lth_simulation_displacement(s);
+  double far = 0;
+  lth_step_diagonal(s, s->scratch);
+  for (LitheCount i = 0; i < s->n; i++) {
+    s->scratch[i] *= 2 * fabs(u[i]);
+    far = fmax(far, fabs(u[i]));
+  }
+  const double rounding = 0x1p-53 * lth_step_norm(ctx, s->n, s->scratch);
+  if (rounding <= LOST * loads) return LITHE_OK;
+  LITHE_FAIL(
+      ctx, LITHE_NOT_CONVERGED,
+      "equilibrium: the loads move a part of a body by %.3g m, so far that rounding alone makes "
+      "forces of %.2g times the loads: nothing holds that part, or next to nothing; constrain "
+      "it, remove it, or take a stiffer material",
+      far, rounding / loads);
+}
+
 /// One pass of the search. Ends balanced, out of iterations, or, where plain, as soon as something touches,
 /// the residual no longer halves within a window, or the linear solver finds no way on.
 static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain, bool *balanced) {
@@ -230,6 +254,7 @@ static LitheStatus search(LitheCtx *ctx, LthSimulation *s, Search *q, bool plain
     double before = q->residual;
     LITHE_TRY(evaluate(ctx, s, q));
     if (!isfinite(q->residual) || (plain && s->contact_on)) return LITHE_OK;
+    if (it > 0 && !(q->residual < before)) LITHE_TRY(check_reach(ctx, s));
     bool is_driven = it > 0 || !s->system->has_held;
     bool back = !plain && !was_back && q->best_touches && q->residual > REJECTED * q->best;
     if (back) LITHE_TRY(go_back(ctx, s, q, unit));
@@ -290,30 +315,6 @@ static LitheStatus find_balance(LitheCtx *ctx, LthSimulation *s, Search *q, bool
   if (*balanced) return LITHE_OK;
   memcpy(s->x, s->best, bytes);
   return evaluate(ctx, s, q);
-}
-
-/// A linear body that something does not hold goes so far that the rounding of K u is of the size of the loads: then no
-/// residual tells whether forces balance.
-static LitheStatus check_reach(LitheCtx *ctx, LthSimulation *s) {
-  const double loads = lth_step_norm(ctx, s->n, s->f_ext);
-  if (s->system->warped || s->has_contact || !(loads > 0)) return LITHE_OK;
-  for (LitheCount i = 0; i < s->n; i++)
-    if (s->driven[i] != 0) return LITHE_OK;
-  const double *u = lth_simulation_displacement(s);
-  double far = 0;
-  lth_step_diagonal(s, s->scratch);
-  for (LitheCount i = 0; i < s->n; i++) {
-    s->scratch[i] *= 2 * fabs(u[i]);
-    far = fmax(far, fabs(u[i]));
-  }
-  const double rounding = 0x1p-53 * lth_step_norm(ctx, s->n, s->scratch);
-  if (rounding <= LOST * loads) return LITHE_OK;
-  LITHE_FAIL(
-      ctx, LITHE_NOT_CONVERGED,
-      "equilibrium: the loads move a part of a body by %.3g m, so far that rounding alone makes "
-      "forces of %.2g times the loads: nothing holds that part, or next to nothing; constrain "
-      "it, remove it, or take a stiffer material",
-      far, rounding / loads);
 }
 
 LitheStatus lth_simulation_equilibrium(LitheCtx *ctx, LthSimulation *s, double t) {
