@@ -95,7 +95,7 @@ typedef struct LthDiscSolver {
   LitheCount (*bytes)(const LthDisc *disc); ///< that solves hold
 } LthDiscSolver;
 
-/// Volumes that a body keeps, where nu = 0.5: besides K x - f0 (docs/theory/staggered-mixed.md, (2)) its cells have
+/// Volumes that a body keeps, where nu = 0.5: besides K x - f0 (docs/theory/staggered-mixed.md, (3)) its cells have
 /// pressures, which solutions find. With c = C u the volumetric strains of such cells and W their volumes, pressures q
 /// act as C^T W q, and K contains C^T W lambda C.
 typedef struct LthDiscVolume {

@@ -28,7 +28,7 @@ typedef struct LthMixed {
   double *volume; ///< V                                                          (n_cells + 1)
   double *
       rest; ///< V lambda less that of `soft` [Pa]; where nu = 0.5 of the assembled form's   (n_cells)
-  double *compliance; ///< V^2 over the rest of lambda [1/Pa], 0 where nu = 0.5        (n_cells)
+  double *compliance; ///< V over the rest of lambda [1/Pa], 0 where nu = 0.5          (n_cells)
   double *scale; ///< [Pa] constraint rows times this and over ck |cell| are pressures     (n_cells)
   double *push;  ///< scratch: V p                                               (n_cells + 1)
   double cm, ck;
@@ -46,7 +46,7 @@ LitheCount lth_mixed_bytes(const LthMixed *m);
 
 /// d = div u of the cells with a pressure.
 void lth_mixed_divergence(const LthMixed *m, int threads, const double *u, double *d);
-/// push = rest / V div u: what the rest of lambda makes of displacements.
+/// push = rest / V div u: the pressures that the rest of lambda makes of displacements.
 void lth_mixed_follow(const LthMixed *m, int threads, const double *u);
 /// f += c |cell| V div^T p at unknowns that are free, or (`held`) not dead. p may be `m->push`.
 void lth_mixed_push(const LthMixed *m, int threads, double c, bool held, const double *p,

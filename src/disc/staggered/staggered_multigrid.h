@@ -42,7 +42,7 @@ LitheStatus lth_staggered_multigrid_solve(LitheCtx *ctx, LthStaggeredMultigrid *
                                           double tolerance, LitheIndex max_iterations,
                                           LthSolveReport *report);
 
-/// z = one V-cycle on r from zero; w = one pass of full multigrid for rhs (its time is that of the solver alone).
+/// z = one V-cycle on r from zero; w = one pass of full multigrid for rhs.
 LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                           const double *r, double *z);
 LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,

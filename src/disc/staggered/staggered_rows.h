@@ -1,7 +1,7 @@
 /// Rows of the operator in one block, for one precision and dimension: define REAL, LANES (values of a register), DIM
 /// and N(name), then include.
 // Rows along x are read where they stand, in the block or in its neighbours, by tables of their places; a value to the
-// side comes from a neighbour's row by a shuffle. Formulas: docs/theory/staggered.md, equations (4), (5).
+// side comes from a neighbour's row by a shuffle. Formulas: docs/theory/staggered.md, equation (2).
 
 #if DIM == 3
 #define SIDE LTH_BLOCK_SIDE_3D
@@ -307,7 +307,7 @@ ALWAYS N(Lane) N(shear)(const N(Rows) * rows, const N(Samples) * c, N(Lane) mu, 
                N(rise)(rows, b, a, r - UP(a), x - (a == 0), i) * c->ratio[a]);
 }
 
-/// f = K u in row (j, k): equation (4).
+/// f = K u in row (j, k): equation (2).
 ALWAYS void N(general_row)(const N(Rows) * rows, const N(Samples) * c, int j, int k, int i,
                            N(Lane) f[DIM]) {
   const int r = ROW(j, k), row = k * SIDE + j;
