@@ -1,6 +1,6 @@
 /// Rigid clusters: which unknowns move together, and the motions of each.
 #include "disc/staggered/staggered_clusters.h"
-#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_entries.h"
 #include "disc/staggered/staggered_slot.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /// Galerkin matrix of rigid clusters, row by row of the level's operator, which is not stored.
 #include "disc/staggered/staggered_clusters.h"
-#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_entries.h"
 #include "disc/staggered/staggered_slot.h"
 
 #include <math.h>

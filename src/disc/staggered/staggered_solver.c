@@ -1,5 +1,5 @@
 /// Matrix-free solves of a linear staggered body in displacement form: LthDiscSolver on top of the multigrid.
-#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_entries.h"
 #include "disc/staggered/staggered_multigrid.h"
 #include "disc/staggered/staggered_priv.h"
 

@@ -1,5 +1,5 @@
 /// Staggered multigrid: a symmetric definite cycle, bounded iterations, the right answer, the same bits always.
-#include "disc/staggered/staggered_coarsest.h"
+#include "disc/staggered/staggered_entries.h"
 #include "disc/staggered/staggered_multigrid.h"
 #include "staggered_ring.h"
 #include "staggered_shape.h"
