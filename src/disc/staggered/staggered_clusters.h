@@ -4,6 +4,7 @@
 #pragma once
 
 #include "disc/staggered/staggered_fast.h"
+#include "disc/staggered/staggered_slot.h"
 #include "la/engine.h"
 #include "la/multilevel.h"
 
@@ -45,6 +46,11 @@ LitheStatus lth_staggered_clusters_set(LitheCtx *ctx, LthStaggeredClusters *clus
 LitheStatus lth_staggered_clusters_correct(LitheCtx *ctx, LthStaggeredClusters *clusters);
 LitheCount lth_staggered_clusters_bytes(const LthStaggeredClusters *clusters);
 
+// staggered_clusters_split.c
+
+/// Clusters of the free unknowns: `first`, `local`, `n`.
+LitheStatus lth_staggered_clusters_split(LitheCtx *ctx, LthStaggeredClusters *clusters);
+
 // staggered_clusters_matrix.c
 
 /// Pattern of the matrix over clusters, whose ranks are given (n).
@@ -63,9 +69,10 @@ static inline LitheIndex lth_cluster_at(const LthStaggeredClusters *C, LitheInde
   return k == LTH_CLUSTER_NONE ? -1 : C->first[block] + k;
 }
 
-/// Where unknown a of a cell is, from the grid's origin.
-static inline void lth_cluster_place(const LthSparseGrid *g, int a, const LitheIndex cell[3],
-                                     double x[3]) {
+/// Where the unknown of component a at a slot is, from the grid's origin.
+static inline void lth_cluster_place(const LthSparseGrid *g, int a, LitheCount slot, double x[3]) {
+  LitheIndex cell[3];
+  lth_cell_of(g, slot, cell);
   for (int b = 0; b < 3; b++) x[b] = g->h[b] * (cell[b] + (b == a || b >= g->dim ? 0 : 0.5));
 }
 

@@ -1,7 +1,6 @@
 /// Galerkin matrix of rigid clusters, row by row of the level's operator, which is not stored.
 #include "disc/staggered/staggered_clusters.h"
 #include "disc/staggered/staggered_entries.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <omp.h>
@@ -118,12 +117,6 @@ done:
   return status;
 }
 
-static void place_of(const LthSparseGrid *g, int a, LitheCount slot, double x[3]) {
-  LitheIndex cell[3];
-  lth_cell_of(g, slot, cell);
-  lth_cluster_place(g, a, cell, x);
-}
-
 /// X += value b_i b_j^T for one row of the operator and all its entries.
 static void add_row(const LthStaggeredClusters *C, const LthStaggeredEntry *entry, int count,
                     double unit, LitheIndex row, double *X) {
@@ -131,13 +124,13 @@ static void add_row(const LthStaggeredClusters *C, const LthStaggeredEntry *entr
   const LitheIndex n = g->block_cells;
   double x[3], own[3], other[3];
   int here[3], there[3];
-  place_of(g, entry[0].b, entry[0].slot, x);
+  lth_cluster_place(g, entry[0].b, entry[0].slot, x);
   lth_cluster_row(g->h[0], entry[0].b, x, C->centre + 3 * (LitheCount)row, here, own);
   for (int e = 0; e < count; e++) {
     LitheIndex to = lth_cluster_at(C, (LitheIndex)(entry[e].slot / n),
                                    (LitheCount)entry[e].b * n + entry[e].slot % n);
     if (to < 0) continue;
-    place_of(g, entry[e].b, entry[e].slot, x);
+    lth_cluster_place(g, entry[e].b, entry[e].slot, x);
     lth_cluster_row(g->h[0], entry[e].b, x, C->centre + 3 * (LitheCount)to, there, other);
     double *B = X + 36 * lth_block_matrix_find(C->A, row, to), value = entry[e].value / unit;
     for (int i = 0; i < 3; i++)

@@ -1,6 +1,5 @@
 /// Rigid clusters in the cycle: coefficients, and the correction that they make.
 #include "disc/staggered/staggered_clusters.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <string.h>
 
@@ -38,9 +37,8 @@ LitheStatus lth_staggered_clusters_set(LitheCtx *ctx, LthStaggeredClusters *C, d
 }
 
 static void place_of(const LthSparseGrid *g, LitheIndex block, LitheCount at, double x[3]) {
-  LitheIndex cell[3];
-  lth_cell_of(g, (LitheCount)block * g->block_cells + at % g->block_cells, cell);
-  lth_cluster_place(g, (int)(at / g->block_cells), cell, x);
+  const LitheCount slot = (LitheCount)block * g->block_cells + at % g->block_cells;
+  lth_cluster_place(g, (int)(at / g->block_cells), slot, x);
 }
 
 static float *value_of(const LthFastLevel *L, LthFastVector v, LitheIndex block, LitheCount at) {
