@@ -63,8 +63,8 @@ typedef struct LthStaggered {
   LthMaterialModel model;
   LthFormulation formulation;
   LthStaggeredLevel
-      level; ///< weighted coefficients and states; V is 0 where rule A leaves cells out. Packed where a
-             ///< linear body has the displacement form
+      level; ///< weighted coefficients and states; V is 0 where rule A leaves cells out. Packed in linear
+             ///< bodies
 
   LitheIndex *func;      ///< function of a slot, -1 where none of its unknowns is alive   (n_slots)
   LitheIndex *slot;      ///< slot of a function, ascending                                (n_funcs)

@@ -58,7 +58,7 @@ static int sort_columns(const LitheIndex func[N_OFFSETS], LitheIndex *col, int *
 /// sigma_aa of the cell at offset `at`, times c, into row a.
 static void add_normal(const LthStaggered *s, LitheCount cell, int at, int a, double c,
                        Rows *rows) {
-  if (!lth_staggered_is_live(&s->level, cell)) return;
+  if (!lth_level_is_live(&s->level, cell)) return;
   for (int b = 0; b < s->dim; b++) {
     const LitheCount own = lth_level_at(&s->level, cell);
     double modulus = s->level.lambda[own] + (a == b ? 2 * s->level.mu[own] : 0);
@@ -162,7 +162,7 @@ static void visit_load(const LthStaggered *s, LitheIndex row, const LitheCount *
     LitheCount side[2] = {slot[-stride[a]], slot[0]};
     if (s->level.state[a][*slot] == LTH_UNKNOWN_DEAD) continue;
     for (int k = 0; k < 2; k++)
-      if (lth_staggered_is_live(&s->level, side[k]))
+      if (lth_level_is_live(&s->level, side[k]))
         f[a] += (k ? -1 : 1) * volume / s->grid->h[a] *
                 (2 * s->level.mu[lth_level_at(&s->level, side[k])] +
                  s->dim * s->level.lambda[lth_level_at(&s->level, side[k])]);

@@ -1,15 +1,11 @@
-/// One level of a staggered grid from the next finer one: averaged coefficients, rule A again.
-/// Zhu, Sifakis, Teran, Brandt 2010; docs/theory/staggered-multigrid.md.
+/// One level of a staggered grid from the next finer one: averaged coefficients.
+/// Zhu, Sifakis, Teran, Brandt 2010; docs/theory/staggered-multigrid.md, equation (1).
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
 #include <string.h>
-
-static bool is_solid(const LthStaggeredLevel *l, LitheCount slot) {
-  return lth_level_value(l, l->mu, slot) > 0 || lth_level_value(l, l->lambda, slot) > 0;
-}
 
 /// Cells of a block that hold something: lowest and highest, or false.
 static bool solid_box(const LthStaggeredLevel *l, LitheIndex block, LitheIndex low[3],
@@ -18,7 +14,7 @@ static bool solid_box(const LthStaggeredLevel *l, LitheIndex block, LitheIndex l
   bool any = false;
   LitheCount first = (LitheCount)block * g->block_cells;
   for (LitheCount s = first; s < first + g->block_cells; s++) {
-    if (!is_solid(l, s)) continue;
+    if (!lth_level_is_live(l, s)) continue;
     LitheIndex c[3];
     lth_cell_of(g, s, c);
     for (int a = 0; a < 3; a++) {
@@ -106,7 +102,7 @@ static CellValues box_mean(const LthStaggeredLevel *fine, const LitheIndex cell[
         if (is_beyond(fine, c, s)) {
           n_beyond++;
           add_cell(fine, s, 1, &beyond);
-        } else if (is_solid(fine, s)) {
+        } else if (lth_level_is_live(fine, s)) {
           const LthWallCuts cuts = lth_staggered_wall_cuts(fine, s, -1);
           add_cell(fine, s, 1 / lth_wall_factor(&cuts), &sum);
         }
@@ -168,7 +164,7 @@ static bool is_constant(const LthStaggeredLevel *l, LitheIndex row) {
 
 /// Faces of a slot are free where it is solid, else dead.
 static bool is_inner(const LthStaggeredLevel *l, LitheCount slot) {
-  const int state = is_solid(l, slot) ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD;
+  const int state = lth_level_is_live(l, slot) ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD;
   for (int a = 0; a < l->grid->dim; a++)
     if (l->state[a][slot] != state) return false;
   return true;
@@ -178,7 +174,7 @@ static LitheIndex plain_of(const LthStaggeredLevel *l, const uint8_t *constant, 
   if (!constant[l->row[row]]) return -1;
   for (int i = 0; i < l->grid->side; i++)
     if (!is_inner(l, row * l->grid->side + i)) return -1;
-  return is_solid(l, row * l->grid->side) ? l->row[row] : l->n_rows;
+  return lth_level_is_live(l, row * l->grid->side) ? l->row[row] : l->n_rows;
 }
 
 /// Rows of samples of rows of slots that are constant, and whose faces are all free, or dead where nothing is solid (then the
@@ -254,48 +250,6 @@ static void average_row(const LthStaggeredLevel *fine, const LitheIndex *plain,
     copy_row(fine, same, coarse, first);
   else
     for (int i = 0; i < coarse->grid->side; i++) average_slot(fine, coarse, first + i);
-}
-
-/// Free where a face touches a cell that holds something.
-static void revive(LthStaggeredLevel *l, LitheCount s) {
-  LitheIndex cell[3];
-  lth_cell_of(l->grid, s, cell);
-  for (int a = 0; a < l->grid->dim; a++) {
-    if (l->state[a][s] == LTH_UNKNOWN_HELD) continue;
-    bool alive = is_solid(l, s) || is_solid(l, lth_slot_along(l->grid, cell, a, -1));
-    l->state[a][s] = alive ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD;
-    if (!alive) l->mass[a][s] = 0;
-  }
-}
-
-/// True where one of the four faces around an edge along axis e is dead.
-static bool edge_is_dead(const LthStaggeredLevel *l, LitheCount s, const LitheIndex cell[3],
-                         int e) {
-  int a = (e + 1) % 3, b = (e + 2) % 3;
-  return !l->state[a][s] || !l->state[b][s] ||
-         !lth_level_state(l, a, lth_slot_along(l->grid, cell, b, -1)) ||
-         !lth_level_state(l, b, lth_slot_along(l->grid, cell, a, -1));
-}
-
-void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *l) {
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount s = 0; s < l->grid->n_slots; s++) revive(l, s);
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount s = 0; s < l->grid->n_slots; s++) {
-    LitheIndex cell[3];
-    lth_cell_of(l->grid, s, cell);
-    for (int e = 0; e < 3; e++)
-      if (l->shear[e] && l->shear[e][s] != 0 && edge_is_dead(l, s, cell, e)) l->shear[e][s] = 0;
-  }
-}
-
-LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *l) {
-  LitheCount n = 0;
-  for (int a = 0; a < l->grid->dim; a++) {
-#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx)) reduction(+ : n)
-    for (LitheCount s = 0; s < l->grid->n_slots; s++) n += l->state[a][s] == LTH_UNKNOWN_FREE;
-  }
-  return n;
 }
 
 /// Arrays of a coarse level: the same ones that the fine level has.

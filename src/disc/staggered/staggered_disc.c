@@ -73,7 +73,7 @@ static LitheStatus number(LitheCtx *ctx, LthStaggered *s) {
   for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
     bool alive = false;
     for (int a = 0; a < s->dim; a++) alive |= lth_staggered_slot_alive(s, a, slot);
-    bool live = lth_staggered_is_live(&s->level, slot);
+    bool live = lth_level_is_live(&s->level, slot);
     s->func[slot] = alive ? (LitheIndex)n_funcs : -1;
     s->cell[slot] = live ? (LitheIndex)n_cells : -1;
     n_funcs += alive;
@@ -136,7 +136,7 @@ static LitheStatus settle(LitheCtx *ctx, LthStaggered *s) {
   double whole = 0, left = 0;
   for (LitheCount slot = 0; slot < s->grid->n_slots; slot++) {
     whole += s->level.volume[slot];
-    if (!lth_staggered_is_live(&s->level, slot)) s->level.volume[slot] = 0;
+    if (!lth_level_is_live(&s->level, slot)) s->level.volume[slot] = 0;
     left += s->level.volume[slot];
   }
   if (loose.n_cells > 0)

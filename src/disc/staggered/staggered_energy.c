@@ -27,7 +27,7 @@ static double slot_energy(const LthStaggered *s, const LitheCount *slot, const i
                           const double *x) {
   const LthStaggeredLevel *level = &s->level;
   double sum = 0;
-  if (lth_staggered_is_live(level, *slot)) {
+  if (lth_level_is_live(level, *slot)) {
     double e[3];
     normal_strain(s, slot, stride, x, e);
     double trace = e[0] + e[1] + e[2];
@@ -106,7 +106,7 @@ static void mix_normal(const LthStaggered *s, const LitheCount near[27], const d
   for (int k = 0; k < 27; k++) {
     int d[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
     double w = hat(r[0], 2 * d[0]) * hat(r[1], 2 * d[1]) * hat(r[2], 2 * d[2]), normal[3];
-    if (w == 0 || !lth_staggered_is_live(&s->level, near[k])) continue;
+    if (w == 0 || !lth_level_is_live(&s->level, near[k])) continue;
     const bool high = d[0] > 0 || d[1] > 0 || d[2] > 0; // its high neighbours are not near
     LitheCount own[27];
     if (high) around(s->grid, near[k], own);

@@ -149,7 +149,7 @@ void lth_fast_level_set(LitheCtx *ctx, LthFastLevel *L, double cm, double ck, do
 }
 
 /// Weights in x.
-static void mark_there(LitheCtx *ctx, LthFastLevel *L, double unit) {
+static void write_pull(LitheCtx *ctx, LthFastLevel *L, double unit) {
   const LitheIndex width = lth_fast_width(L), side = L->grid->side;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < L->grid->n_blocks; b++)
@@ -189,8 +189,7 @@ static void mark_walls(const LthFastLevel *L, const LthFastLevel *coarse, uint8_
     for (LitheIndex z = deep ? low[2] : 0; z <= (deep ? high[2] : 0); z++)
       for (LitheIndex y = low[1]; y <= high[1]; y++)
         for (LitheIndex x = low[0]; x <= high[0]; x++) {
-          const LitheIndex b =
-              g->block_at[x + (LitheCount)g->n_block[0] * (y + (LitheCount)g->n_block[1] * z)];
+          const LitheIndex b = lth_block_at(g, x, y, z);
           if (b >= 0) near[b] = 1;
         }
   }
@@ -240,7 +239,7 @@ LitheStatus lth_fast_level_link(LitheCtx *ctx, LthFastLevel *L, LthFastLevel *co
   uint8_t *near = NULL;
   LTH_NEW(ctx, near, L->grid->n_blocks);
   mark_walls(L, coarse, near);
-  mark_there(ctx, coarse, unit);
+  write_pull(ctx, coarse, unit);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex b = 0; b < coarse->grid->n_blocks; b++) k->prolong_from(L, coarse, b, false);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(lth_threads(ctx))

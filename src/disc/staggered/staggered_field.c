@@ -41,7 +41,7 @@ static LitheCount cell_beside(const LthStaggered *s, LitheCount slot, int a) {
       if (k > 0) d[(k - 1) / 2] = k % 2 ? -1 : 1;
       d[a] = -side;
       LitheCount cell = lth_sparse_grid_step(s->grid, slot, d);
-      if (lth_staggered_is_live(&s->level, cell)) return cell;
+      if (lth_level_is_live(&s->level, cell)) return cell;
     }
   return -1;
 }

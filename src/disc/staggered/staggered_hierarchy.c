@@ -7,8 +7,7 @@
 /// How much of a cell is filled: of the finest level's cells all or nothing.
 static LitheStatus filling_of(LitheCtx *ctx, const LthStaggeredLevel *l, float **filling) {
   LTH_NEW(ctx, *filling, l->grid->n_slots);
-  for (LitheCount s = 0; s < l->grid->n_slots; s++)
-    (*filling)[s] = l->mu[lth_level_at(l, s)] > 0 || l->lambda[lth_level_at(l, s)] > 0;
+  for (LitheCount s = 0; s < l->grid->n_slots; s++) (*filling)[s] = lth_level_is_live(l, s);
   return LITHE_OK;
 }
 

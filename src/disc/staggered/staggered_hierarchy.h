@@ -36,12 +36,12 @@ void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *level);
 
 LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *level);
 
-/// One level coarser: its grid (owned by the caller) and coefficients. LITHE_OK with grid NULL: nothing is left free.
+/// One level coarser: its grid (owned by the caller) and coefficients.
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse);
 
 /// Whether face a of a coarse cell is held: where the middle of the fine faces that make it up is behind a wall. One held face is
-/// enough where a hold is thin, and in the mixed form: where stiffness jumps its smoother does not bear corrections that are cut.
+/// enough where a hold is thin.
 bool lth_staggered_coarse_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a);
 
 /// Share of the solid cells of a grid that lie in features thinner than three cells; `solid` is how much of a cell

@@ -13,8 +13,7 @@ static LitheIndex find_hold(const LthStaggered *s, int a, const double x[3]) {
 /// A cell or a shear sample that holds material reads the unknown of component a.
 static bool is_read(const LthStaggeredLevel *level, const LitheCount *slot, const int stride[3],
                     int a) {
-  if (lth_staggered_is_live(level, slot[0]) || lth_staggered_is_live(level, slot[-stride[a]]))
-    return true;
+  if (lth_level_is_live(level, slot[0]) || lth_level_is_live(level, slot[-stride[a]])) return true;
   for (int b = 0; b < level->grid->dim; b++) {
     if (b == a) continue;
     const double *shear = level->shear[3 - a - b];

@@ -60,6 +60,11 @@ static inline double lth_level_value(const LthStaggeredLevel *level, const doubl
   return slot < 0 ? 0 : sample[lth_level_at(level, slot)];
 }
 
+/// A cell holds something.
+static inline bool lth_level_is_live(const LthStaggeredLevel *level, LitheCount slot) {
+  return lth_level_value(level, level->mu, slot) > 0;
+}
+
 /// LthUnknownState of component a at a slot, dead where there is no such slot.
 static inline int lth_level_state(const LthStaggeredLevel *level, int a, LitheCount slot) {
   return slot < 0 ? LTH_UNKNOWN_DEAD : level->state[a][slot];

@@ -39,8 +39,6 @@ static LitheStatus number_parts(LitheCtx *ctx, LthMixedState *m, LitheIndex *set
     m->n_closed += lth_sets_root(set, i) == i && i != open;
   if (m->n_closed == 0) return LITHE_OK;
   LTH_NEW(ctx, m->closed, m->n_stiff);
-  LTH_NEW(ctx, m->net, m->n_closed);
-  LTH_NEW(ctx, m->flow, m->n_closed);
   LitheIndex n = 0;
   for (LitheIndex i = 0; i < m->n_stiff; i++)
     if (lth_sets_root(set, i) == i) m->closed[i] = i == open ? -1 : n++;
@@ -68,11 +66,7 @@ done:
   return status;
 }
 
-void lth_mixed_closed_free(LitheCtx *ctx, LthMixedState *m) {
-  lth_free(ctx, m->closed);
-  lth_free(ctx, m->net);
-  lth_free(ctx, m->flow);
-}
+void lth_mixed_closed_free(LitheCtx *ctx, LthMixedState *m) { lth_free(ctx, m->closed); }
 
 /// What flows through the held faces of a cell, either way, over its volume.
 static double flow_of(const LthStaggered *s, LitheCount slot, const double *u) {

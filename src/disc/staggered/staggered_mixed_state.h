@@ -11,7 +11,6 @@ struct LthMixedState {
   LitheIndex n_stiff;
   LitheIndex n_closed; ///< parts that are held on all sides: their mean pressure is zero
   LitheIndex *closed;  ///< part of a cell of these, or -1; NULL where n_closed is 0       (n_stiff)
-  double *net, *flow;  ///< of a part: scratch                                         (n_closed)
 
   LthMixed *system;       ///< its multigrid is the body's
   LthMixedKrylov *krylov; ///< once prepared

@@ -19,11 +19,6 @@ typedef struct LthStencil {
 
 static inline const LthStaggered *lth_staggered_const(const LthDisc *disc) { return disc->self; }
 
-/// A cell holds something.
-static inline bool lth_staggered_is_live(const LthStaggeredLevel *level, LitheCount slot) {
-  return lth_level_value(level, level->mu, slot) > 0;
-}
-
 /// Least axis of shear samples: 0 in 3D, 2 in 2D.
 static inline int lth_staggered_first_edge(const LthStaggered *s) { return s->dim == 3 ? 0 : 2; }
 

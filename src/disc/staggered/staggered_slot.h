@@ -6,14 +6,18 @@
 /// log2 of the cells along a block.
 static inline int lth_side_bits(const LthSparseGrid *g) { return g->dim == 3 ? 3 : 4; }
 
+/// Block at a place among blocks, -1 where there is none.
+static inline LitheIndex lth_block_at(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
+                                      LitheIndex k) {
+  if ((i | j | k) < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2]) return -1;
+  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
+}
+
 /// Block that holds a cell, -1 where there is none.
 static inline LitheIndex lth_block_of(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
                                       LitheIndex k) {
-  if ((i | j | k) < 0) return -1;
-  int bits = lth_side_bits(g);
-  LitheIndex bi = i >> bits, bj = j >> bits, bk = g->dim == 3 ? k >> bits : k;
-  if (bi >= g->n_block[0] || bj >= g->n_block[1] || bk >= g->n_block[2]) return -1;
-  return g->block_at[bi + (LitheCount)g->n_block[0] * (bj + (LitheCount)g->n_block[1] * bk)];
+  const int bits = lth_side_bits(g); // what is below 0 stays so
+  return lth_block_at(g, i >> bits, j >> bits, g->dim == 3 ? k >> bits : k);
 }
 
 /// As lth_sparse_grid_slot().

@@ -27,20 +27,13 @@ ALWAYS void pad(const Rows_f *rows, int a, float *padded) {
     }
 }
 
-/// Block at a place, -1 where there is none.
-static LitheIndex block_at_place(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
-  if (i < 0 || j < 0 || k < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2])
-    return -1;
-  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
-}
-
 /// Blocks around a place whose own block may be missing; false where there is none at all.
 static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3],
                             LitheIndex near[N_NEAR]) {
   bool any = false;
   for (int i = 0; i < N_NEAR; i++) {
-    near[i] = block_at_place(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
-                             place[2] + (DIM == 3 ? i / 9 - 1 : 0));
+    near[i] = lth_block_at(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
+                           place[2] + (DIM == 3 ? i / 9 - 1 : 0));
     any |= near[i] >= 0;
   }
   return any;
@@ -63,7 +56,7 @@ static void find_children(const LthFastLevel *fine, const LthFastLevel *coarse, 
     LitheIndex place[3];
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
-    to[child] = block_at_place(fine->grid, place[0], place[1], place[2]);
+    to[child] = lth_block_at(fine->grid, place[0], place[1], place[2]);
   }
 }
 

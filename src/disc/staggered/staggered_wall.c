@@ -119,7 +119,7 @@ LitheStatus lth_staggered_stiffen_walls(LitheCtx *ctx, LthStaggered *s) {
     LthStaggeredWall *wall = &w->at[i];
     LitheIndex cell[3];
     lth_cell_of(s->grid, wall->slot, cell);
-    if (lth_staggered_is_live(&s->level, wall->slot)) stiffen_cell(s, cell, wall);
+    if (lth_level_is_live(&s->level, wall->slot)) stiffen_cell(s, cell, wall);
     for (int e = lth_staggered_first_edge(s); e < 3; e++)
       if (s->level.shear[e][wall->slot] > 0) stiffen_edge(s, cell, e, wall);
   }
