@@ -140,7 +140,10 @@ static double triad(LitheCtx *ctx) {
   double *a = lth_alloc(ctx, N, 8), *b = lth_alloc(ctx, N, 8), *c = lth_alloc(ctx, N, 8),
          best = 1e9;
   if (!a || !b || !c) check(ctx, LITHE_NO_MEMORY);
-  for (int run = 0; run < 5; run++) {
+  // pages that nobody has written are one page of zeros, which the cache holds
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheCount i = 0; i < N; i++) a[i] = 0, b[i] = 1, c[i] = 2;
+  for (int run = 0; run < 10; run++) {
     double start = lth_now();
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
     for (LitheCount i = 0; i < N; i++) a[i] = b[i] + (run + 1) * c[i];
