@@ -31,7 +31,7 @@ PEERS = {  # options of PETSc; whether it is for the plane alone
     "UMFPACK": ("-ksp_type preonly -pc_type lu -pc_factor_mat_solver_type umfpack", True),
 }
 COLUMNS = ["case", "nu", "solver", "threads", "unknowns", "grid s", "set-up s", "solve s", "total s", "us/unknown", "iterations",
-           "residual", "bytes/unknown", "operator/memory bound", "operator/moved bound",
+           "residual", "bytes/unknown", "operator/memory bound", "dense/memory bound", "operator/moved bound",
            "fmg operators", "fmg work", "triad GB/s"]
 
 
@@ -148,7 +148,7 @@ def run_lithe(bench, dim, cells, nu, threads, export=None, form=None):
             "solve s": f"{solve_s:.3f}", "total s": f"{setup + solve_s:.3f}",
             "us/unknown": f"{1e6 * (setup + solve_s) / unknowns:.3f}", "iterations": row["iterations"],
             "residual": row["residual"], "bytes/unknown": row["bytes/unknown"],
-            "operator/memory bound": row["operator/memory bound"],
+            "operator/memory bound": row["operator/memory bound"], "dense/memory bound": row["dense/memory bound"],
             "operator/moved bound": row["operator/moved bound"], "fmg operators": row["fmg operators"], "fmg work": row["fmg work"],
             "triad GB/s": row["triad GB/s"]}
 

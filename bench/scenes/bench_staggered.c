@@ -4,7 +4,8 @@
 /// operator - its time over that of one, and its work, counted as it goes - and the operator against two memory bounds, both at the speed of STREAM's triad (24 bytes an entry) on as many
 /// threads in the same run: "memory", 16 bytes a free unknown (each value of x read once, each of y written once, no
 /// coefficients), and "moved", the bytes that it cannot but move as things are stored: also places of x and y that are
-/// not free, samples of cells and edges where rows differ, and states near boundaries.
+/// not free, samples of cells and edges where rows differ, and states near boundaries. "dense" is what plain loops over a full box
+/// take of the first bound (dense_stencil.h).
 ///
 ///   bench_staggered [--csv] [--threads N] [--dim 2|3] [--cells N] [--nu X] [--mesh FILE] [--export FILE]
 ///                   [--displacement]
@@ -13,6 +14,7 @@
 /// those of its displacements, a first guess.
 /// `--cells N`: this size alone, else a few. `--export FILE`: the matrix over free unknowns, for bench/peers/staggered.py.
 #include "base/tensor.h"
+#include "dense_stencil.h"
 #include "disc/staggered/staggered.h"
 #include "disc/staggered/staggered_coarsest.h"
 #include "disc/staggered/staggered_multigrid.h"
@@ -217,7 +219,7 @@ static void export_matrix(LitheCtx *ctx, const Body *b, const char *path) {
 }
 
 typedef struct Row {
-  double fractions, disc, prepare, solve, residual, apply, moved, full, full_work, full_error,
+  double fractions, disc, prepare, solve, residual, apply, dense, moved, full, full_work, full_error,
       bytes;
   LitheIndex iterations;
 } Row;
@@ -232,6 +234,7 @@ static void time_operator(LitheCtx *ctx, Body *b, Row *row) {
     row->moved = (double)lth_staggered_multigrid_apply_bytes(b->s->solver);
     row->apply = fmin(row->apply, seconds);
   }
+  check(ctx, dense_stencil_time(ctx, b->options->dim, b->unknowns, &row->dense));
 }
 
 static void time_full(LitheCtx *ctx, Body *b, Row *row) {
@@ -287,18 +290,18 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
   double least = 16.0 * (double)b.unknowns / memory;
   printf(
       o->csv
-          ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.1f,%"
+          ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.2f,%.1f,%"
             ".1f,%.1e\n"
           : "%dD %5d nu %-5g threads %d triad %.1f GB/s %10lld unknowns: fractions %.3f disc %.3f "
             "prepare %.3f solve %.3f s, "
             "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
-            "operator %.2e s, %.2f x memory, %.2f x moved, full multigrid %.1f operators, work "
+            "operator %.2e s, %.2f x memory (dense %.2f), %.2f x moved, full multigrid %.1f operators, work "
             "%.1f, error "
             "%.1e\n",
       o->dim, cells, o->nu, lth_threads(ctx), memory * 1e-9, (long long)b.unknowns, row.fractions,
       row.disc, row.prepare, row.solve, report.iterations, row.residual,
       (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply,
-      row.apply / least, row.moved > 0 ? row.apply * memory / row.moved : 0, row.full / row.apply,
+      row.apply / least, row.dense / least, row.moved > 0 ? row.apply * memory / row.moved : 0, row.full / row.apply,
       row.full_work, row.full_error);
   fflush(stdout);
   if (o->file) export_matrix(ctx, &b, o->file);
@@ -347,7 +350,7 @@ int main(int argc, char **argv) {
   if (o.csv)
     printf("dim,cells,nu,threads,triad GB/s,unknowns,fractions s,disc s,prepare s,solve "
            "s,iterations,residual,"
-           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory bound,"
+           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory bound,dense/memory bound,"
            "operator/moved bound,fmg operators,fmg work,fmg error\n");
   int wanted = o.dim;
   for (o.dim = 2; o.dim <= 3; o.dim++) {
