@@ -40,7 +40,7 @@ typedef struct LthStaggeredLevel {
   double *lambda, *mu; ///< V lambda, V mu of cells [Pa]; where nu = 0.5 V lambda is LTH_PENALTY mu
   double *volume;      ///< V of cells; may be NULL but in the mixed form
   double *
-      compliance; ///< V / lambda of cells [1/Pa], 0 where nu = 0.5; NULL where there are no pressures
+      compliance; ///< V / lambda of cells [1/Pa] without walls, 0 where nu = 0.5; NULL: there are no pressures
   double *shear[3];         ///< V mu of edges [Pa]; 2D: [0] and [1] are NULL
   double *mass[3];          ///< V rho of faces [kg/m^3]; 2D: [2] is NULL
   uint8_t *state[3];        ///< LthUnknownState of faces; 2D: [2] is NULL

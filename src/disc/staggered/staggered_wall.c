@@ -89,11 +89,10 @@ static void stiffen_cell(LthStaggered *s, const LitheIndex cell[3], LthStaggered
     wall->way[a] =
         (float)add_difference(s, a, a, -1, slot, slot, lth_slot_along(s->grid, cell, a, 1), &c);
   if (c.ways.n == 0) return;
-  double factor = factor_of(s, slot, -1, &c, &filled), wide = lth_wall_factor(&c.ways);
+  const double factor = factor_of(s, slot, -1, &c, &filled);
   level->lambda[slot] *= factor;
   level->mu[slot] *= factor;
   level->volume[slot] = filled;
-  if (level->compliance) level->compliance[slot] *= factor / (wide * wide);
 }
 
 static void stiffen_edge(LthStaggered *s, const LitheIndex cell[3], int e, LthStaggeredWall *wall) {

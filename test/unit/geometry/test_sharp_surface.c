@@ -243,6 +243,38 @@ static void curved_parts_converge_with_second_order(void **state) {
   check_second_order(f->ctx, &cross, two, 16 * r * r, 2e-2);
 }
 
+static void half_a_shell_has_both_balls(void **state) {
+  Fixture *f = *state;
+  const double R = 0.5, r = 0.3;
+  LthShape part[] = {{.kind = LTH_SHAPE_SHELL, .radius = R, .inner = r}, box(-1, -1, 0, 1, 1, 1)};
+  LthShape bowl = join(LTH_SHAPE_INTERSECTION, 2, part);
+  check_second_order(f->ctx, &bowl, 2 * M_PI / 3 * (R * R * R - r * r * r),
+                     2 * M_PI * (R * R + r * r) + M_PI * (R * R - r * r), 6e-3);
+}
+
+/// One bar in two parts, along no axis: their common end is one plane, from whichever side it is told.
+static void ends_of_slanting_parts_meet_whichever_way_they_face(void **state) {
+  Fixture *f = *state;
+  LthShape part[] = {
+      {.kind = LTH_SHAPE_CYLINDER, .b = {0.2, 0.4, 0.4}, .radius = 0.3},
+      {.kind = LTH_SHAPE_CYLINDER, .a = {0.4, 0.8, 0.8}, .b = {0.2, 0.4, 0.4}, .radius = 0.3}};
+  LthShape rod = join(LTH_SHAPE_UNION, 2, part);
+  check_second_order(f->ctx, &rod, M_PI * 0.09 * 1.2, 2 * M_PI * 0.3 * (0.3 + 1.2), 1e-2);
+}
+
+/// Two round sides that are nearer than chords are deep: where true points would bring triangles to cross, they stay.
+static void a_crescent_thinner_than_its_chords_are_deep_has_no_crossings(void **state) {
+  Fixture *f = *state;
+  for (double t = 0.02; t > 0.004; t *= 0.5) {
+    LthShape part[] = {bar(2, 0, 1, (double[]){0, 0, 0}, 0.3),
+                       bar(2, 0, 1, (double[]){t, 0, 0}, 0.3)};
+    LthShape crescent = join(LTH_SHAPE_DIFFERENCE, 2, part);
+    LthSurface *s = surface_of(f->ctx, &crescent, 0.1);
+    assert_int_equal(count_crossings(f->ctx, s), 0);
+    lth_surface_destroy(f->ctx, &s);
+  }
+}
+
 static void edges_of_curved_parts_lie_on_both(void **state) {
   Fixture *f = *state;
   LthShape part[] = {box(0, 0, 0, 1, 1, 0.5), bar(2, -1, 2, (double[]){0.5, 0.5, 0}, 0.3)};
@@ -389,6 +421,9 @@ int main(void) {
       TEST(walls_much_thinner_than_the_resolution_are_exact),
       TEST(holes_within_one_cell_are_exact),
       TEST(curved_parts_converge_with_second_order),
+      TEST(half_a_shell_has_both_balls),
+      TEST(ends_of_slanting_parts_meet_whichever_way_they_face),
+      TEST(a_crescent_thinner_than_its_chords_are_deep_has_no_crossings),
       TEST(edges_of_curved_parts_lie_on_both),
       TEST(the_box_of_an_implicit_shape_cuts_sharply),
       TEST(boxes_that_touch_in_an_edge_or_a_corner_stay_apart),

@@ -1,5 +1,6 @@
 /// Levels and transfers of the staggered multigrid: what P keeps, R = P^T, rule A on every level, thin features.
 #include "disc/staggered/staggered_walls.h"
+#include "staggered_body.h"
 #include "staggered_shape.h"
 
 static const ShapeDef ring = {
@@ -264,10 +265,137 @@ static void only_blocks_with_material_are_kept(void **state) {
   levels_free(&L);
 }
 
+/// All of the box that is held lies behind n . x = c.
+typedef struct Plane {
+  double n[3], c;
+} Plane;
+
+static bool is_behind(const void *self, const double x[3]) {
+  const Plane *p = self;
+  return lth_v3_dot(p->n, x) <= p->c;
+}
+
+typedef struct Walled {
+  Plane plane;
+  LthStaggeredHold hold;
+  SgBody b;
+  LthStaggeredHierarchy *H;
+} Walled;
+
+/// A unit box of 16 cells a side; `w` keeps its place.
+static void walled_create(Walled *w, int dim, Plane plane) {
+  w->plane = plane;
+  w->hold = (LthStaggeredHold){
+      .selects = is_behind, .self = &w->plane, .fixed = {true, true, dim == 3}, .is_wall = true};
+  SgDef def = {.dim = dim,
+               .high = {1, 1, dim == 3 ? 1 : 0},
+               .n = {16, 16, dim == 3 ? 16 : 1},
+               .part = sg_full,
+               .holds = &w->hold,
+               .n_holds = 1};
+  sg_create(&w->b, &def);
+  LthCoarsenDef coarsen = {.enough = 1};
+  CHECK_OK(w->b.ctx, lth_staggered_hierarchy_create(w->b.ctx, &w->b.s->level, &coarsen, &w->H));
+  assert_true(w->H->n_levels >= 3);
+}
+
+static void walled_free(Walled *w) {
+  lth_staggered_hierarchy_destroy(w->b.ctx, &w->H);
+  sg_free(&w->b);
+}
+
+/// Where halving has found the wall to be, in cells of the finest level.
+#define HALVED (1.0 / 1024)
+
+static LitheCount check_distances(const LthStaggeredLevel *l, const Plane *p, double fine) {
+  const LthSparseGrid *g = l->grid;
+  LitheCount n = 0;
+  for (int a = 0; a < g->dim; a++)
+    for (LitheCount s = 0; s < g->n_slots; s++) {
+      LitheIndex cell[3];
+      double at[3] = {0.5, 0.5, 0.5}, x[3];
+      if (l->state[a][s] != LTH_UNKNOWN_FREE) continue;
+      at[a] = 0;
+      lth_sparse_grid_cell(g, s, cell);
+      lth_sparse_grid_place(g, cell, at, x);
+      if (g->dim == 2) x[2] = 0;
+      // ways along the axes that the plane cuts are alike
+      const double most = fmax(fabs(p->n[0]), fabs(p->n[1]));
+      const double before = (lth_v3_dot(p->n, x) - p->c) / g->h[0];
+      if (before / most > 2 || before / most < 0.1) continue;
+      bool inside =
+          true; // the ways end in the box (slanting ones away from its sides), and nothing is held beside it
+      const bool slants = p->n[0] * p->n[1] != 0;
+      for (int b = 0; b < g->dim; b++) {
+        if (p->n[b] != 0)
+          inside &= x[b] > (ceil(before / p->n[b]) + (slants ? 1 : -0.1)) * g->h[0] && x[b] < 1;
+        for (int k = -4; p->n[b] == 0 && k <= 4; k++)
+          inside &= lth_level_state(l, a, lth_slot_along(g, cell, b, k)) != LTH_UNKNOWN_HELD;
+      }
+      if (!inside) continue;
+      CHECK_NEAR(lth_staggered_wall_distance(l, a, cell), before / lth_v3_norm(p->n),
+                 2 * HALVED * fine / g->h[0]);
+      n++;
+    }
+  return n;
+}
+
+static void walls_are_where_they_are_on_every_level(void **state) {
+  (void)state;
+  const Plane plane[] = {
+      {{0, 1, 0}, 0.16}, {{0, 1, 0}, 0.22}, {{1, 0, 0}, 0.27}, {{1, 1, 0}, 0.69}};
+  for (int dim = 2; dim <= 3; dim++)
+    for (int i = 0; i < 4; i++) {
+      Walled w;
+      walled_create(&w, dim, plane[i]);
+      for (int l = 0; l < (i < 3 ? 3 : 2); l++)
+        assert_true(check_distances(&w.H->level[l], &w.plane, w.H->level[0].grid->h[0]) > 0);
+      walled_free(&w);
+    }
+}
+
+/// Of u_y = the distance from a wall across y.
+static double energy_before_wall(LitheCtx *ctx, const LthStaggeredLevel *l, double y0) {
+  const LthSparseGrid *g = l->grid;
+  double *u[3] = {NULL}, *y[3] = {NULL}, sum = 0;
+  for (int a = 0; a < g->dim; a++) {
+    u[a] = lth_alloc(ctx, g->n_slots, sizeof *u[a]);
+    y[a] = lth_alloc(ctx, g->n_slots, sizeof *y[a]);
+  }
+  for (LitheCount s = 0; s < g->n_slots; s++) {
+    LitheIndex cell[3];
+    lth_sparse_grid_cell(g, s, cell);
+    if (l->state[1][s] == LTH_UNKNOWN_FREE) u[1][s] = g->origin[1] + g->h[1] * cell[1] - y0;
+  }
+  lth_staggered_apply_ref(ctx, l, 0, 1, (const double *const *)u, y);
+  for (LitheCount s = 0; s < g->n_slots; s++) sum += 0.5 * u[1][s] * y[1][s];
+  for (int a = 0; a < g->dim; a++) lth_free(ctx, u[a]), lth_free(ctx, y[a]);
+  return sum;
+}
+
+// At these places no coarse face beside the box is held where one in it is free, whose shear would count.
+static void material_before_a_wall_is_as_stiff_on_every_level(void **state) {
+  (void)state;
+  const double place[] = {0.1, 0.11, 0.22, 0.23};
+  for (int dim = 2; dim <= 3; dim++)
+    for (int i = 0; i < 4; i++) {
+      Walled w;
+      walled_create(&w, dim, (Plane){{0, 1, 0}, place[i]});
+      const double modulus = 1000 * 0.7 / (1.3 * 0.4); // 2 mu + lambda
+      for (int l = 0; l < 3; l++)
+        CHECK_NEAR(energy_before_wall(w.b.ctx, &w.H->level[l], place[i]) /
+                       (0.5 * modulus * (1 - place[i])),
+                   1, 2 * HALVED / 16 / (1 - place[i]));
+      walled_free(&w);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(prolongation_keeps_constants_up_to_walls_and_linear_fields_inside),
       cmocka_unit_test(prolongation_keeps_the_distance_from_a_wall),
+      cmocka_unit_test(walls_are_where_they_are_on_every_level),
+      cmocka_unit_test(material_before_a_wall_is_as_stiff_on_every_level),
       cmocka_unit_test(restriction_is_the_transpose_on_every_level),
       cmocka_unit_test(rule_a_holds_on_every_level),
       cmocka_unit_test(uniform_material_stays_uniform),

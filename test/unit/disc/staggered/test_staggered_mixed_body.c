@@ -370,6 +370,168 @@ static void a_step_in_time_keeps_the_volume(void **state) {
   lame_free(&L);
 }
 
+/// Whatever the strains are that a solve has to mend, beside a held side that moves, forces balance with the pressures that it leaves.
+static void pressures_balance_where_strains_were_mended(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    LameBody L;
+    lame_create(&L, dim, dim == 2 ? 24 : 12, 0.5, LTH_FORM_MIXED);
+    SgBody *b = &L.b;
+    solve_own(b, 1e-11);
+    const double size = sg_largest(b->disc->n_dofs, b->r);
+    b->disc->table->update_rotations(b->disc, b->x);
+    b->disc->table->solver->force(b->disc, 1, b->x, b->r);
+    for (LitheCount i = 0; i < b->disc->n_dofs; i++)
+      if (sg_is_free(b, i)) CHECK_NEAR(b->r[i], b->f[i], 1e-8 * size);
+    lame_free(&L);
+  }
+}
+
+/// Without a matrix force and product are those of the matrix; and forces are slopes of the energy.
+static void check_operator(double nu) {
+  const double cm = 3, ck = 1.5;
+  LameBody L;
+  lame_create(&L, 2, 24, nu, LTH_FORM_MIXED);
+  SgBody *b = &L.b;
+  const LthDiscSolver *own = b->disc->table->solver;
+  const LitheCount n = b->disc->n_dofs;
+  double *x = lth_alloc(b->ctx, n, sizeof *x), *y = lth_alloc(b->ctx, n, sizeof *y);
+  uint64_t seed = 7;
+  solve_own(b, 1e-8);
+  b->disc->table->update_rotations(b->disc, b->x);
+  sg_assemble(b);
+  for (LitheCount i = 0; i < n; i++) {
+    x[i] = sg_is_free(b, i) ? test_random(&seed) - 0.5 : 0;
+    b->x[i] += 0.01 * x[i];
+  }
+  own->apply(b->disc, 1, cm, ck, x, y);
+  lth_block_matrix_apply(b->K, 1, x, b->r);
+  b->disc->table->apply_mass(b->disc, x, b->f);
+  const double size = sg_largest(n, y);
+  for (LitheCount i = 0; i < n; i++)
+    if (sg_is_free(b, i)) CHECK_NEAR(y[i], ck * b->r[i] + cm * b->f[i], 1e-12 * size);
+  own->force(b->disc, 1, b->x, y);
+  sg_force(b, b->x, b->r);
+  double slope = 0, energy[2];
+  for (LitheCount i = 0; i < n; i++) {
+    if (sg_is_free(b, i)) CHECK_NEAR(y[i], b->r[i], 1e-11 * size);
+    slope += y[i] * x[i];
+  }
+  for (int k = 0; k < 2; k++) {
+    for (LitheCount i = 0; i < n; i++) b->f[i] = b->x[i] + (k ? 0.01 : -0.01) * x[i];
+    energy[k] = b->disc->table->energy(b->disc, 0, b->f);
+  }
+  CHECK_NEAR((energy[1] - energy[0]) / 0.02, slope, 1e-9 * fabs(slope));
+  lth_free(b->ctx, x);
+  lth_free(b->ctx, y);
+  lame_free(&L);
+}
+
+static void forces_are_those_of_the_matrix_and_slopes_of_the_energy(void **state) {
+  (void)state;
+  check_operator(0.4999);
+  check_operator(0.5);
+}
+
+/// A square of (-1, 1)^dim that is held beyond a cell of its boundary, but for one side, or all around (-1).
+typedef struct Tray {
+  int dim, open;
+} Tray;
+
+static bool is_rim(const void *self, const double x[3]) {
+  const Tray *t = self;
+  bool any = false;
+  for (int a = 0; a < t->dim; a++)
+    for (int high = 0; high < 2; high++)
+      any |= 2 * a + high != t->open && (high ? x[a] > 0.8 : x[a] < -0.8);
+  return any;
+}
+
+static void tray_create(SgBody *b, Tray *t, LthStaggeredHold *hold) {
+  *hold = (LthStaggeredHold){.selects = is_rim, .self = t, .fixed = {true, true, t->dim == 3}};
+  SgDef def = {.dim = t->dim,
+               .low = {-1, -1, t->dim == 3 ? -1 : 0},
+               .high = {1, 1, t->dim == 3 ? 1 : 0},
+               .n = {8, 8, t->dim == 3 ? 8 : 1},
+               .part = sg_full,
+               .poisson = 0.5,
+               .formulation = LTH_FORM_MIXED,
+               .holds = hold,
+               .n_holds = 1};
+  sg_create(b, &def);
+}
+
+/// Without divergence but on a grid, where cubes are not told from their secants.
+static void curved(const void *self, const double x[3], double value[3]) {
+  (void)self;
+  value[0] = x[0] * x[0] * x[0];
+  value[1] = -3 * x[0] * x[0] * x[1];
+  value[2] = 0;
+}
+
+static void wider(const void *self, const double x[3], double value[3]) {
+  (void)self;
+  value[0] = x[0];
+  value[1] = value[2] = 0;
+}
+
+static void parts_that_are_held_all_around_keep_their_volume(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    Tray tray = {.dim = dim, .open = -1};
+    LthStaggeredHold hold;
+    SgBody b;
+    tray_create(&b, &tray, &hold);
+    const LthDiscVolume *volume = b.disc->table->volume;
+    const LitheCount n = volume->count(b.disc);
+    double *c = lth_alloc(b.ctx, n, sizeof *c), *before = lth_alloc(b.ctx, n, sizeof *before);
+    sg_project(&b, curved, NULL, b.f);
+    volume->strain(b.disc, 1, b.f, c);
+    memcpy(before, c, sizeof *c * (size_t)n);
+    CHECK_OK(b.ctx, volume->admit(b.ctx, b.disc, b.f, c));
+    double left = 0, taken = before[0] - c[0];
+    for (LitheCount i = 0; i < n; i++) {
+      CHECK_NEAR(before[i] - c[i], taken, 1e-13);
+      left += c[i];
+    }
+    assert_true(fabs(taken) > 1e-3);
+    CHECK_NEAR(left, 0, 1e-13 * (double)n);
+    sg_project(&b, wider, NULL, b.f);
+    volume->strain(b.disc, 1, b.f, c);
+    assert_int_equal(volume->admit(b.ctx, b.disc, b.f, c), LITHE_BAD_INPUT);
+    for (LitheCount i = 0; i < n; i++) c[i] = 1 + cos((double)i);
+    volume->keep(b.disc, c);
+    double mean = 0;
+    for (LitheCount s = 0; s < b.s->grid->n_slots; s++)
+      mean += lth_level_value(&b.s->level, b.s->level.volume, s) * lth_mixed_pressure(b.s, s);
+    CHECK_NEAR(mean, 0, 1e-12 * (double)n);
+    lth_free(b.ctx, c);
+    lth_free(b.ctx, before);
+    sg_free(&b);
+  }
+}
+
+static void one_side_that_is_free_lets_volumes_change(void **state) {
+  (void)state;
+  for (int side = 0; side < 6; side++) {
+    Tray tray = {.dim = 3, .open = side};
+    LthStaggeredHold hold;
+    SgBody b;
+    tray_create(&b, &tray, &hold);
+    const LthDiscVolume *volume = b.disc->table->volume;
+    const LitheCount n = volume->count(b.disc);
+    double *c = lth_alloc(b.ctx, n, sizeof *c), *before = lth_alloc(b.ctx, n, sizeof *before);
+    sg_project(&b, wider, NULL, b.f);
+    volume->strain(b.disc, 1, b.f, c);
+    memcpy(before, c, sizeof *c * (size_t)n);
+    CHECK_OK(b.ctx, volume->admit(b.ctx, b.disc, b.f, c));
+    assert_memory_equal(before, c, sizeof *c * (size_t)n);
+    lth_free(b.ctx, c);
+    lth_free(b.ctx, before);
+    sg_free(&b);
+  }
+}
+
 static void pressures_go_into_checkpoints(void **state) {
   (void)state;
   LameBody A, B;
@@ -402,6 +564,10 @@ int main(void) {
       cmocka_unit_test(pressures_push_where_strains_are),
       cmocka_unit_test(stress_is_made_of_the_pressure),
       cmocka_unit_test(a_step_in_time_keeps_the_volume),
+      cmocka_unit_test(pressures_balance_where_strains_were_mended),
+      cmocka_unit_test(forces_are_those_of_the_matrix_and_slopes_of_the_energy),
+      cmocka_unit_test(parts_that_are_held_all_around_keep_their_volume),
+      cmocka_unit_test(one_side_that_is_free_lets_volumes_change),
       cmocka_unit_test(pressures_go_into_checkpoints),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
