@@ -220,6 +220,8 @@ static LitheStatus fill_rows(Builder *b) {
     for (LitheIndex r = from; r < to && status == LITHE_OK; r++) status = statuses[r];
   }
   lth_free(b->ctx, statuses);
+  if (status == LITHE_INTERRUPTED)
+    LITHE_FAIL(b->ctx, status, "interrupted while fractions are found");
   return status;
 }
 

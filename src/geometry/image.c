@@ -51,6 +51,7 @@ static LitheStatus fail_empty(LitheCtx *ctx, const LthVolume *v, double threshol
                               const double *labels, LitheIndex n_labels) {
   double low, high;
   value_range(v, &low, &high);
+  if (low > high) LITHE_FAIL(ctx, LITHE_BAD_INPUT, "no voxel has a value that is a number");
   if (!labels)
     LITHE_FAIL(ctx, LITHE_BAD_INPUT,
                "no voxel is above the threshold of %g: values are from %g to %g", threshold, low,

@@ -103,7 +103,8 @@ static bool is_cut_through(const LthBody *body, const double x[3], const LthPlac
   return true;
 }
 
-/// A part of a cell at the boundary. A roller's side that lies along faces of the grid cuts nothing. Beyond the surface only what holds all components goes on.
+/// A part of a cell at the boundary. A roller's side that lies along faces of the grid cuts nothing. Beyond the surface only what holds all components goes on,
+/// and only where the boundary itself is selected: a constraint that ends before the body does not reach it.
 static bool part_is_held(const LthBody *body, const double x[3], bool is_cut) {
   const LthStaggeredBody *s = body->staggered;
   LthPlace place;
@@ -118,7 +119,7 @@ static bool part_is_held(const LthBody *body, const double x[3], bool is_cut) {
     is_known = true;
     if (!wholly && !(holds_along(body, c, place.normal) && is_cut_through(body, x, &place)))
       continue;
-    lth_v3_copy(x, place.x);
+    lth_v3_copy(is_cut ? x : place.point, place.x);
     if (contains_either(where, &place)) return true;
   }
   return false;

@@ -215,8 +215,7 @@ LitheStatus lth_staggered_where(LitheCtx *ctx, const LthBody *body, const LthWhe
                                  resolution, all_inside, ready);
 }
 
-/// All cells that touch x are full: it cannot be on the boundary.
-static bool is_deep(const LthStaggeredBody *s, const double x[3]) {
+bool lth_staggered_is_deep(const LthStaggeredBody *s, const double x[3]) {
   const LthSparseGrid *g = s->fractions->grid;
   LitheIndex low[3] = {0}, high[3] = {0};
   for (int a = 0; a < g->dim; a++) {
@@ -237,7 +236,8 @@ bool lth_staggered_boundary_place(const LthBody *body, const double x[3], double
                                   LthPlace *place) {
   const LthStaggeredBody *s = body->staggered;
   LthFoot foot;
-  if (is_deep(s, x) || !lth_shape_foot(&body->def->shape, x, s->h, &foot)) return false;
+  if (lth_staggered_is_deep(s, x) || !lth_shape_foot(&body->def->shape, x, s->h, &foot))
+    return false;
   if (foot.distance < -depth - 1e-6 * s->h || foot.distance > 1.5 * s->diagonal) return false;
   *place = (LthPlace){.is_boundary = true};
   lth_v3_copy(x, place->x);
@@ -299,31 +299,53 @@ static LitheStatus build_disc(LitheCtx *ctx, LthBody *body, const LthMaterialFie
                          .shape = &body->def->shape,
                          .material = *field,
                          .model = body->def->materials[0].material.model,
-                         .formulation = lth_body_formulation(body),
+                         .formulation = s->formulation,
                          .holds = s->holds,
                          .n_holds = s->n_holds,
                          .own = s->own.cell ? &s->own : NULL};
   return blame(ctx, body, "method", lth_staggered_create(ctx, &def, &body->disc));
 }
 
-static void weigh(LthBody *body) {
-  for (LitheIndex c = 0; c < body->disc->n_cells; c++) {
-    double x[3], volume, fraction;
-    lth_staggered_cell(body, c, x, &volume, &fraction);
-    LitheIndex entry = lth_field_entry(body, x);
-    if (entry >= 0 && fraction > 0)
-      body->mass += volume * lth_value_at(&body->def->materials[entry].material.density, x, 0);
+/// Mean over a cell, empty parts included, as the unknowns' masses have it.
+static double mean_density(const LthBody *body, LitheIndex cell) {
+  const LthStaggeredBody *s = body->staggered;
+  const LthFractions *f = s->own.cell ? &s->own : s->fractions;
+  LitheCount slot = lth_staggered_of(body->disc)->cell_slot[cell];
+  LitheIndex at[3];
+  double x[3], sum = 0;
+  lth_sparse_grid_cell(f->grid, slot, at);
+  for (int q = 0; q < f->n_parts; q++) {
+    double v = lth_fractions_part(f, slot, q), middle[3];
+    for (int a = 0; a < 3; a++) middle[a] = a < f->grid->dim ? 0.25 + 0.5 * (q >> a & 1) : 0.5;
+    lth_sparse_grid_place(f->grid, at, middle, x);
+    if (v > 0) sum += v * lth_field_density(body, x);
   }
+  return sum / f->n_parts;
+}
+
+static LitheStatus weigh(LitheCtx *ctx, LthBody *body) {
+  double *density, volume = lth_sparse_grid_cell_volume(body->staggered->fractions->grid);
+  LTH_NEW(ctx, density, body->disc->n_cells);
+#pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
+  for (LitheIndex c = 0; c < body->disc->n_cells; c++) density[c] = mean_density(body, c);
+  for (LitheIndex c = 0; c < body->disc->n_cells; c++) body->mass += volume * density[c];
+  lth_free(ctx, density);
+  if (!(body->mass > 0))
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s.method: its cells show nothing of the body, which is thinner than one of them, "
+               "got an edge of %g m; use smaller cells",
+               body->def->place, body->staggered->h);
+  return LITHE_OK;
 }
 
 LitheStatus lth_build_staggered(LitheCtx *ctx, LthBody *body) {
   LthMaterialField field;
   LITHE_TRY(lth_build_field(ctx, body, &field));
+  LITHE_TRY(lth_staggered_check_field(ctx, body));
   LITHE_TRY(lth_staggered_hold_sides(ctx, body));
   LITHE_TRY(build_disc(ctx, body, &field));
-  LITHE_TRY(lth_staggered_check_field(ctx, body));
   LITHE_TRY(lth_staggered_check_holds(ctx, body));
-  weigh(body);
+  LITHE_TRY(weigh(ctx, body));
   return lth_build_grid_loads(ctx, body);
 }
 

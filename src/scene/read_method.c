@@ -144,6 +144,17 @@ static void read_staggered(LthReader *r, const LthNode *node, LthSceneBody *body
                      "it is of elements, got %s with `kind: staggered`; leave it out", others[i]);
 }
 
+/// What elements do not take of the method.
+static void check_grid_keys(LthReader *r, const LthNode *node) {
+  static const char *const keys[] = {"fractions", "formulation"};
+  for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+    if (is_given(node, keys[i]))
+      lth_report_key(r->report, lth_node_find(node, keys[i]),
+                     "it is of a staggered grid, got %s with elements; leave it out, or write "
+                     "`kind: staggered`",
+                     keys[i]);
+}
+
 static void check_dimension(LthReader *r, const LthNode *node, const LthSceneBody *body) {
   LthNode *kind = lth_node_find(node, "kind");
   if (r->scene->dimension == 3 || body->method_kind == LTH_METHOD_STAGGERED || !kind || kind->bad)
@@ -181,6 +192,7 @@ void lth_read_method(LthReader *r, const LthNode *node, LthSceneBody *body) {
     read_staggered(r, node, body);
     return;
   }
+  check_grid_keys(r, node);
   if (!lth_method_has_file(node) && is_given(node, "mesh")) check_mesh_of(r, node, body);
   if (body->method_kind == LTH_METHOD_CG) read_cg(r, node, body);
 }
@@ -197,10 +209,19 @@ static const char *why_mass(const LthReader *r) {
 }
 
 /// What keeps its volume needs a pressure of its own.
-static void check_poisson(LthReader *r, const LthNode *node, const LthSceneBody *body) {
+static void check_poisson(LthReader *r, const LthNode *node, const LthSceneBody *body,
+                          LthMaterialModel model) {
   if (lth_read_number(node, "poisson_ratio", 0) < 0.5) return;
   bool is_staggered = body->method_kind == LTH_METHOD_STAGGERED;
-  if (is_staggered && body->formulation != LTH_FORMULATION_DISPLACEMENT) return;
+  bool may_be_mixed = is_staggered && body->formulation != LTH_FORMULATION_DISPLACEMENT;
+  if (may_be_mixed && model != LTH_MATERIAL_LINEAR) {
+    lth_report(r->report, lth_node_find(node, "poisson_ratio"),
+               "only the mixed formulation keeps volumes, and it is of linear bodies, got 0.5 with "
+               "model %s; expected a number < 0.5, or `model: linear`",
+               model == LTH_MATERIAL_COROTATED ? "corotated" : "neo-hookean");
+    return;
+  }
+  if (may_be_mixed) return;
   lth_report(r->report, lth_node_find(node, "poisson_ratio"),
              "only the mixed formulation keeps volumes, got 0.5 with %s; expected a number < 0.5, "
              "or `kind: staggered` with `formulation: mixed`",
@@ -218,7 +239,7 @@ static LitheStatus read_one(LthReader *r, const LthNode *node, const LthSceneBod
   m->young = lth_read_value(node, "young_modulus");
   m->poisson = lth_read_value(node, "poisson_ratio");
   m->density = lth_read_value(node, "density");
-  check_poisson(r, node, body);
+  check_poisson(r, node, body, m->model);
   const char *why = why_mass(r);
   if (node->kind == LTH_NODE_MAP && !node->bad && !lth_node_find(node, "density")) {
     m->density = lth_value_constant(ANY_DENSITY);

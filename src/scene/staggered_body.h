@@ -29,6 +29,7 @@ struct LthStaggeredBody {
   LthHoldPlace *hold_place;
   LitheIndex *hold_of; ///< scene constraint behind each hold              (n_holds)
   LitheIndex n_holds;
+  LthFormulation formulation; ///< known once the material field is built
 };
 
 /// Grid and fractions (build_staggered.c): what a mesh is to others. Sets box, size and cell size.
@@ -53,8 +54,12 @@ LitheStatus lth_build_field(LitheCtx *ctx, LthBody *body, LthMaterialField *fiel
 LitheStatus lth_staggered_check_field(LitheCtx *ctx, const LthBody *body);
 LitheStatus lth_build_grid_loads(LitheCtx *ctx, LthBody *body);
 
-/// The first material entry that holds a place, -1 where none does.
+/// All cells that touch x are full: it cannot be on the boundary.
+bool lth_staggered_is_deep(const LthStaggeredBody *s, const double x[3]);
+
+/// The first material entry that holds a place, -1 where none does. Places outside of the body have what its nearest one has.
 LitheIndex lth_field_entry(const LthBody *body, const double x[3]);
+double lth_field_density(const LthBody *body, const double x[3]); ///< [kg/m^3]
 
 /// Make a `where` of the scene ready for this body. `all_inside`: `all` means the inside too.
 LitheStatus lth_staggered_where(LitheCtx *ctx, const LthBody *body, const LthWhere *where,

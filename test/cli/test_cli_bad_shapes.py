@@ -1,6 +1,7 @@
 """Shapes that cannot be used: every message names the place in the scene, what was found and what helps; status 2."""
 import gzip
 import json
+import math
 import os
 import struct
 import zlib
@@ -72,6 +73,7 @@ files = {
     "size.nrrd": (NRRD % 20).encode() + voxels,
     "gone.mhd": (MHD % "ElementDataFile = gone.raw\n").encode(),
     "none.mhd": (MHD % "").encode(),
+    "nan.nii": nifti(struct.pack("<f", math.nan) * 1000, kind=16),
     "black.png": png(8, 8, 8, 0, [bytes(8)] * 8),
     "cut.png": png(8, 8, 8, 0, [bytes(8)] * 8)[:50],
 }
@@ -103,6 +105,7 @@ cases = [
     (PLANE % image("black.png"), ["image.threshold", "no voxel is above the threshold of 0.5: values are from 0 to 0"]),
     (PLANE % image("cut.png"), ["image.file", "the file ends too early"]),
     (space(image("ok.nii", "labels: [7]")), ["image.labels", "no voxel has the label 7: values are from 0 to 5"]),
+    (space(image("nan.nii")), ["image.threshold", "no voxel has a value that is a number"]),
     (space("image: {file: ok.nii}"), ["got none of threshold and labels"]),
     (space(image("magic.nii")), ["no NIfTI-1 file", "n+1"]),
     (space(image("dims.nii")), ["-3 voxels along axis 1"]),
@@ -126,6 +129,11 @@ cases = [
     (space(ball, method="staggered, cells: 8, fraction: smooth"), ["bodies.0.method.fraction", "did you mean fractions"]),
     (space(ball, method="staggered, cells: 8, fractions: smoth"), ["did you mean smooth"]),
     (space(ball, method="staggered, cells: 8, fractions: {samples: 3}"), ["expected an even number"]),
+    (space(ball, method="dg, cells: 4, fractions: smooth"),
+     ["bodies.0.method.fractions", "it is of a staggered grid", "`kind: staggered`"]),
+    (space(ball, method="cg, cells: 4, formulation: mixed"), ["bodies.0.method.formulation", "it is of a staggered grid"]),
+    (space(ball, "0.5", "staggered, cells: 8").replace("model: linear, ", ""),
+     ["bodies.0.material.poisson_ratio", "got 0.5 with model corotated", "`model: linear`"]),
     (space(ball, "0.5", "staggered, cells: 8, formulation: displacement"),
      ["bodies.0.material.poisson_ratio", "got 0.5", "`formulation: mixed`"]),
 ]

@@ -182,7 +182,75 @@ output: {every: last, fields: [none]}
         expect("a_block_on_a_soft_layer_is_at_rest", soft.get("status") == "done", soft)
 
 
+BLOCK = """lithe: 1
+bodies:
+  - name: block
+    shape: {%s}
+    material: %s
+    method: {kind: staggered, cells: 8}
+    constraints: [{where: {%s}, displacement: [0, 0, 0]}]
+gravity: [0, -10, 0]
+time: {kind: static}
+solver: {tolerance: 1e-11}
+output: {every: last, fields: [none]}
+"""
+BAR = "box: {min: [0, 0, 0], max: [0.4, 0.1, 0.1]}"
+BALL = "sphere: {center: [0, 0, 0], radius: 0.1}"
+LEFT = "plane: {point: [0, 0, 0], normal: [-1, 0, 0]}"
+BELOW = "plane: {point: [0, 0, -0.08], normal: [0, 0, -1]}"
+ONE = "{model: linear, young_modulus: %s, poisson_ratio: 0.3, density: %s}"
+
+
+def test_material_ends_where_the_body_does():
+    """Held sides and cut cells reach beyond the body; a material is not asked there."""
+    rest = "model: linear, young_modulus: 1 MPa, poisson_ratio: 0.3, density: 1000}"
+    parts = {"bar": (BAR, LEFT, 4, "box: {min: [0, 0, 0], max: [0.2, 0.1, 0.1]}", "box: {min: [0.2, 0, 0], max: [0.4, 0.1, 0.1]}"),
+             "ball": (BALL, BELOW, 4e-3 / 3 * math.pi * 1000, "sphere: {center: [0, 0, 0], radius: 0.05}",
+                      "shell: {center: [0, 0, 0], inner: 0.05, outer: 0.1}")}
+    with folder() as d:
+        for name, (shape, where, mass, first, second) in parts.items():
+            r = result(d, BLOCK % (shape, "[{where: {%s}, %s, {where: {%s}, %s]" % (first, rest, second, rest), where))
+            same = result(d, BLOCK % (shape, ONE % ("1 MPa", 1000), where))
+            expect("a_list_that_covers_a_%s_and_no_more_is_enough" % name, "failed" not in r and
+                   near(r["bodies"][0]["mass"], mass, 1e-9) and
+                   near(r["displacement"]["max"], same["displacement"]["max"], 1e-7), (r, same))
+        for name, shape, where, young in (("bar", BAR, LEFT, "'1e6*sqrt(x)+1e5'"),
+                                          ("ball", BALL, BELOW, "'1e6*sqrt(0.011-x^2-y^2-z^2)+1e5'")):
+            r = result(d, BLOCK % (shape, ONE % (young, 1000), where))
+            expect("an_expression_need_not_be_defined_beyond_a_%s" % name, "failed" not in r and
+                   near(reaction(r)[1], 10 * r["bodies"][0]["mass"], 1e-7), r)
+        r = result(d, BLOCK % (BAR, ONE % ("'1e6*sqrt(x-0.2)+1e5'", 1000), LEFT))
+        expect("but_inside_it_has_to_be", "not a number at" in r.get("failed", ""), r)
+
+
+def test_mass_is_what_hangs():
+    """The mass that is told is the one that gravity pulls at, also where the density varies within cells."""
+    with folder() as d:
+        r = result(d, BLOCK % (BAR, ONE % ("1 MPa", "'1000*(1+20*x^2)'"), LEFT))
+        expect("a_bar_of_varying_density_weighs_its_mass", near(reaction(r)[1], 10 * r["bodies"][0]["mass"], 1e-9), r)
+        r = result(d, BLOCK % (BALL, ONE % ("1 MPa", "'1000*(1+2000*x^2)'"), BELOW))
+        # full parts of held sides weigh what the shape does in them as a whole
+        expect("so_does_a_ball", near(reaction(r)[1], 10 * r["bodies"][0]["mass"], 2e-4) and
+               near(r["bodies"][0]["mass"], 5e3 * 4e-3 / 3 * math.pi, 5e-3), r)
+
+
+def test_out_of_reach():
+    """A constraint that ends before the body begins does not hold it through the cells in between."""
+    with folder() as d:
+        for end in (-0.001, -0.02, -0.03, -0.04, -0.06):
+            where = "box: {min: [-1, -1, -1], max: [%g, 1, 1]}" % end
+            r = result(d, BLOCK % (BAR, ONE % ("1 MPa", 1000), where))
+            told = r.get("failed", "")
+            expect("a_constraint_that_ends_at_%g_does_not_reach" % end, "selects no unknown" in told or
+                   "nothing holds the body against translation along x" in told, r)
+        r = result(d, (BLOCK % (BAR, ONE % ("1 MPa", 1000), LEFT)).replace("cells: 8", "cell_size: 1"))
+        expect("cells_that_leave_nothing_of_the_body_are_told", "its cells show nothing of the body" in r.get("failed", ""), r)
+
+
 test_curved_boundary()
+test_material_ends_where_the_body_does()
+test_mass_is_what_hangs()
+test_out_of_reach()
 test_socket()
 test_elements()
 test_probes()

@@ -174,7 +174,7 @@ static LitheStatus iterate(LitheCtx *ctx, LthStaggeredMultigrid *M, const LthOpe
   double rz = 0, rz_before = 0, alpha = 0, norm = INFINITY;
   LitheIndex it = 0;
   for (; it < most && norm > target; it++) {
-    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     LITHE_TRY(lth_staggered_cycle(ctx, M, &rz));
     turn_direction(ctx, M, alpha, it == 0 ? 0 : rz / rz_before, true, w);
     double pq = apply_operator(ctx, M, extra);

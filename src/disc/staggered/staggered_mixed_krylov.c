@@ -194,7 +194,7 @@ LitheStatus lth_mixed_krylov_solve(LitheCtx *ctx, LthMixedKrylov *k, LthMixed *m
   if (stop->start && !extra) LITHE_TRY(guess(ctx, k, m));
   find_residual(k, m, threads, extra);
   for (;; report->iterations++) {
-    if (lth_cancelled(ctx)) return LITHE_INTERRUPTED;
+    if (lth_cancelled(ctx)) LITHE_FAIL(ctx, LITHE_INTERRUPTED, "interrupted");
     double now = primal_norm(k, m, threads, stop->stiff);
     if (now < FALL * peak) {
       find_residual(k, m, threads, extra);

@@ -59,8 +59,13 @@ static void refuses_what_a_staggered_grid_cannot_take(void **state) {
 static void takes_incompressible_bodies_where_mixed_may_be_taken(void **state) {
   (void)state;
   const char *half = "bodies.0.material.poisson_ratio=0.5";
-  Reading r = read_override(half);
+  Reading r = read_override(
+      "bodies.0.material={model: linear, young_modulus: 1 MPa, poisson_ratio: 0.5, density: 1000}");
   end_reading(&r);
+  EXPECT_STAGGERED_ERROR(half, "--set bodies.0.material.poisson_ratio=0.5: "
+                               "bodies.0.material.poisson_ratio: only the mixed formulation keeps "
+                               "volumes, and it is of linear bodies, got 0.5 with model corotated; "
+                               "expected a number < 0.5, or `model: linear`");
 #define NOT_MIXED(with)                                                                            \
   "--set bodies.0.material.poisson_ratio=0.5: bodies.0.material.poisson_ratio: only the mixed "    \
   "formulation keeps volumes, got 0.5 with " with                                                  \
