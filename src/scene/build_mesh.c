@@ -119,9 +119,10 @@ LitheStatus lth_build_mesh(LitheCtx *ctx, LthBody *body) {
   if (body->def->mesh_kind == LTH_MESH_FILE) return build_file(ctx, body);
   lth_shape_bounds(&body->def->shape, min, max);
   if (!(min[0] < max[0] && min[1] < max[1] && (is_flat || min[2] < max[2])))
-    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-               "%s.shape: it is empty: its parts have no space in common; move or enlarge them",
-               body->def->place);
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT, "%s.shape: it is empty: %s", body->def->place,
+               body->def->shape.kind == LTH_SHAPE_WRAP
+                   ? "the file's surface winds round no place by half; close more of it"
+                   : "its parts have no space in common; move or enlarge them");
   if (body->def->method_kind == LTH_METHOD_STAGGERED) return lth_build_fractions(ctx, body);
   LITHE_TRY(lth_build_grid(ctx, body->def, min, max, &grid));
   switch (body->def->mesh_kind) {

@@ -74,6 +74,7 @@ files = {
     "gone.mhd": (MHD % "ElementDataFile = gone.raw\n").encode(),
     "none.mhd": (MHD % "").encode(),
     "nan.nii": nifti(struct.pack("<f", math.nan) * 1000, kind=16),
+    "one.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
     "black.png": png(8, 8, 8, 0, [bytes(8)] * 8),
     "cut.png": png(8, 8, 8, 0, [bytes(8)] * 8)[:50],
 }
@@ -117,6 +118,9 @@ cases = [
     (space(image("size.nrrd")), ["got 2000 bytes; expected 4000 for 10 x 10 x 20 voxels"]),
     (space(image("gone.mhd")), ["gone.raw", "No such file"]),
     (space(image("none.mhd")), ["without ElementDataFile"]),
+    # surfaces
+    (space("mesh: {file: one.obj, repair: wrap}", method="staggered, cells: 8"),
+     ["bodies.0.shape: it is empty", "winds round no place by half"]),
     # expressions
     (implicit("log(x) + y^2 + z^2"), ["shape.implicit", "not a number everywhere in its box, got none at (-0.9"]),
     (implicit("x^2 - 0.25 + 0*sqrt(y)"), ["not a number everywhere in its box"]),
