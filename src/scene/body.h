@@ -198,6 +198,9 @@ LitheStatus lth_build_grid(LitheCtx *ctx, const LthSceneBody *def, const double 
 /// Strong and interior constraints hold unknowns of elements, the others act on the boundary.
 bool lth_is_strong(const LthSceneConstraint *constraint);
 
+/// Some value varies with time.
+bool lth_moves(const LthValue value[3]);
+
 /// Take over patches, which live as long as the body; they are freed where that fails.
 LitheStatus lth_body_own_patches(LitheCtx *ctx, LthBody *body, LthPatches *patches);
 

@@ -106,7 +106,7 @@ static LitheStatus leave_free(LitheCtx *ctx, const LthBody *body, const LthScene
 }
 
 /// Expressions know whether they use t; other callbacks may.
-static bool varies_with_time(const LthValue value[3]) {
+bool lth_moves(const LthValue value[3]) {
   for (int a = 0; a < 3; a++)
     if (value[a].eval == lth_expression_eval ? lth_expression_uses(value[a].self) & LTH_USES_T
                                              : value[a].eval != NULL)
@@ -120,7 +120,7 @@ static LitheStatus add_weak(LitheCtx *ctx, LthBody *body, LitheIndex i,
   LthWeakConstraint weak = {.patches = part->patches,
                             .normal_only = c->normal_only,
                             .is_position = c->is_position,
-                            .moves = varies_with_time(c->value)};
+                            .moves = lth_moves(c->value)};
   bool any;
   memcpy(weak.fixed, c->fixed, sizeof weak.fixed);
   memcpy(weak.value, c->value, sizeof weak.value);

@@ -1,4 +1,5 @@
-/// Constraints of staggered bodies: which unknowns they hold, and which sides of the surface count as full.
+/// Constraints of staggered bodies: which unknowns they hold, which sides of the surface count as full, and which are rollers of another
+/// kind.
 #include "scene/staggered_body.h"
 
 #include "base/tensor.h"
@@ -11,6 +12,40 @@
 #define STRAIGHT 1e-6 // sine of the angle by which a roller's normal may miss its axis
 #define ALIGNED 1e-6  // of a cell: a side along faces of the grid
 #define DIRECTIONS 6  // of a roller: along each axis and against it
+#define INSIDE 1e-3   // of a cell: where an edge is one of its sides
+#define BESIDE 0.5    // of a cell: how far a side is flat at least
+
+static bool is_axis(const double n[3]) {
+  return fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2]))) >= 1 - STRAIGHT;
+}
+
+/// The normal of the boundary nearest to a place a little inside, where edges have that of a side, and aside along axis b.
+static bool normal_beside(const LthBody *body, const LthPlace *place, int b, double aside,
+                          double normal[3]) {
+  const double h = body->staggered->h;
+  LthFoot foot;
+  double x[3];
+  lth_v3_copy(place->point, x);
+  lth_v3_axpy(-INSIDE * h, place->normal, x);
+  x[b] += aside * h;
+  bool found = lth_shape_foot(&body->def->shape, x, h, &foot);
+  lth_v3_copy(foot.normal, normal);
+  return found;
+}
+
+/// Is the boundary at a place a plane across an axis? Curved ones have an axis for normal at single points.
+static bool is_along_axis(const LthBody *body, const LthPlace *place) {
+  double own[3], other[3];
+  if (!normal_beside(body, place, 0, 0, own) || !is_axis(own)) return false;
+  for (int b = 0; b < body->scene->dimension; b++) {
+    bool is_flat = fabs(own[b]) > ALONG;
+    for (int side = -1; side <= 1 && !is_flat; side += 2)
+      is_flat = normal_beside(body, place, b, side * BESIDE, other) &&
+                lth_v3_dot(own, other) >= 1 - STRAIGHT;
+    if (!is_flat) return false;
+  }
+  return true;
+}
 
 static double against(const void *self, const double x[3], double t) {
   const LthHoldPlace *p = self;
@@ -33,6 +68,7 @@ static bool selects(const void *self, const double x[3]) {
   if (!lth_where_solid_is_near(h->where, x, 2 * h->body->staggered->diagonal)) return false;
   if (!lth_staggered_boundary_place(h->body, x, 0, &place)) return false;
   if (h->is_roller && !(h->sign * place.normal[h->axis] > ALONG)) return false;
+  if (h->is_roller && *h->is_oblique && !is_along_axis(h->body, &place)) return false;
   return contains_either(h->where, &place);
 }
 
@@ -62,6 +98,7 @@ static void add_hold(LthBody *body, LitheIndex constraint, int axis, double sign
   *place = (LthHoldPlace){.body = body,
                           .where = s->constraint_where + constraint,
                           .is_roller = c->normal_only,
+                          .is_oblique = s->is_oblique + constraint,
                           .axis = axis,
                           .sign = sign,
                           .value = c->value[0]};
@@ -119,6 +156,7 @@ static bool part_is_held(const LthBody *body, const double x[3], bool is_cut) {
     is_known = true;
     if (!wholly && !(holds_along(body, c, place.normal) && is_cut_through(body, x, &place)))
       continue;
+    if (s->is_oblique[i] && !is_along_axis(body, &place)) continue;
     lth_v3_copy(is_cut ? x : place.point, place.x);
     if (contains_either(where, &place)) return true;
   }
@@ -159,34 +197,70 @@ static uint8_t choose_parts(const void *self, LitheCount slot) {
   return mask;
 }
 
-// --- rollers hold along an axis ---
+// --- rollers that are not along an axis ---
 
-/// The first place of a roller whose normal is no axis.
-static LitheStatus check_roller(LitheCtx *ctx, const LthBody *body, LitheIndex i) {
-  static const double middle[3] = {0.5, 0.5, 0.5};
+/// Place q of a cell, one in each part; beside its middle, lest it be on the boundary of shapes that fit the grid, where normals are those
+/// of rounding.
+static void place_in_part(const LthSparseGrid *g, LitheCount slot, int q, double x[3]) {
+  LitheIndex at[3];
+  double offset[3] = {0.27 + 0.5 * (q & 1), 0.26 + 0.5 * (q >> 1 & 1), 0.24 + 0.5 * (q >> 2)};
+  if (g->dim == 2) offset[2] = 0.5;
+  lth_sparse_grid_cell(g, slot, at);
+  lth_sparse_grid_place(g, at, offset, x);
+}
+
+/// Does roller i hold boundary that is not along an axis near a place inside the body?
+static bool is_oblique_near(const LthBody *body, LitheIndex i, const double x[3], LthPlace *place) {
+  const LthStaggeredBody *s = body->staggered;
+  if (!lth_staggered_boundary_place(body, x, s->diagonal, place)) return false;
+  if (lth_shape_value(&body->def->shape, x) >= 0) return false; // normals at edges look anywhere
+  lth_v3_copy(place->point, place->x);
+  return !is_axis(place->normal) && lth_where_solid_contains(s->constraint_where + i, place);
+}
+
+/// A place of a roller whose normal is no axis; false where there is none.
+static bool find_oblique(const LthBody *body, LitheIndex i, LthPlace *place) {
   const LthStaggeredBody *s = body->staggered;
   const LthSparseGrid *g = s->fractions->grid;
   for (LitheCount slot = 0; slot < g->n_slots; slot++) {
-    LitheIndex at[3];
-    LthPlace place;
-    double x[3];
     if (!(s->filled[slot] > 0) || s->filled[slot] == 1) continue;
-    lth_sparse_grid_cell(g, slot, at);
-    lth_sparse_grid_place(g, at, middle, x);
-    if (!lth_staggered_boundary_place(body, x, s->diagonal, &place)) continue;
-    if (lth_shape_value(&body->def->shape, x) >= 0) continue; // normals at edges look anywhere
-    lth_v3_copy(place.point, place.x);
-    if (!lth_where_solid_contains(s->constraint_where + i, &place)) continue;
-    const double *n = place.normal;
-    double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
-    if (most >= 1 - STRAIGHT) continue;
-    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
-               "%s: unknowns of a staggered grid are held along the axes, got a roller with the "
-               "normal (%.4g, %.4g, %.4g) at (%g, %g, %g); expected a boundary along an axis, or "
-               "method dg",
-               body->def->constraints[i].place, n[0], n[1], n[2], place.point[0], place.point[1],
-               place.point[2]);
+    for (int q = 0; q < s->fractions->n_parts; q++) {
+      double x[3];
+      place_in_part(g, slot, q, x);
+      if (is_oblique_near(body, i, x, place)) return true;
+    }
   }
+  return false;
+}
+
+static bool selects_oblique(const void *self, const double point[3], const double normal[3]) {
+  const LthRollerPlace *r = self;
+  LthPlace place = {.is_boundary = true};
+  lth_v3_copy(point, place.x);
+  lth_v3_copy(point, place.point);
+  lth_v3_copy(normal, place.normal);
+  return !is_along_axis(r->body, &place) && lth_where_solid_contains(r->where, &place);
+}
+
+static LitheStatus add_roller(LitheCtx *ctx, LthBody *body, LitheIndex i) {
+  LthStaggeredBody *s = body->staggered;
+  const LthSceneConstraint *c = body->def->constraints + i;
+  LthPlace place;
+  if (!find_oblique(body, i, &place)) return LITHE_OK;
+  const double *n = place.normal, *x = place.point;
+  if (body->def->materials[0].material.model != LTH_MATERIAL_LINEAR)
+    LITHE_FAIL(ctx, LITHE_BAD_INPUT,
+               "%s: staggered bodies of large deformation are held along the axes, got a roller "
+               "with the normal (%.4g, %.4g, %.4g) at (%g, %g, %g); expected a boundary along an "
+               "axis, model: linear, or method dg",
+               c->place, n[0], n[1], n[2], x[0], x[1], x[2]);
+  LthRollerPlace *of = s->roller_place + s->n_rollers;
+  *of = (LthRollerPlace){.body = body, .where = s->constraint_where + i};
+  s->rollers[s->n_rollers++] = (LthStaggeredRoller){
+      .selects = selects_oblique, .self = of, .value = c->value[0], .moves = lth_moves(c->value)};
+  s->is_oblique[i] = true;
+  LTH_RESERVE(ctx, body->weak_of, body->cap_weak_of, body->n_weak + 1);
+  body->weak_of[body->n_weak++] = i;
   return LITHE_OK;
 }
 
@@ -197,6 +271,9 @@ LitheStatus lth_staggered_hold_sides(LitheCtx *ctx, LthBody *body) {
   LTH_NEW(ctx, s->holds, DIRECTIONS * (LitheCount)n);
   LTH_NEW(ctx, s->hold_place, DIRECTIONS * (LitheCount)n);
   LTH_NEW(ctx, s->hold_of, DIRECTIONS * (LitheCount)n);
+  LTH_NEW(ctx, s->is_oblique, n);
+  LTH_NEW(ctx, s->rollers, n);
+  LTH_NEW(ctx, s->roller_place, n);
   for (LitheIndex i = 0; i < n; i++) {
     const LthSceneConstraint *c = body->def->constraints + i;
     s->n_constraints = i + 1;
@@ -204,7 +281,7 @@ LitheStatus lth_staggered_hold_sides(LitheCtx *ctx, LthBody *body) {
     for (int k = 0; c->normal_only && k < 2 * body->scene->dimension; k++)
       add_hold(body, i, k / 2, k % 2 ? -1 : 1);
     if (!c->normal_only) add_hold(body, i, 0, 1);
-    if (c->normal_only) LITHE_TRY(check_roller(ctx, body, i));
+    if (c->normal_only) LITHE_TRY(add_roller(ctx, body, i));
   }
   return n > 0 ? lth_fractions_complete(ctx, s->fractions, choose_parts, body, &s->own) : LITHE_OK;
 }
@@ -232,6 +309,8 @@ LitheStatus lth_staggered_check_holds(LitheCtx *ctx, const LthBody *body) {
   for (LitheCount k = 0; k < s->disc.n_dofs; k++)
     if (s->hold[k] >= 0) found[body->staggered->hold_of[s->hold[k]]] = 1;
   LitheIndex empty = -1;
+  for (LitheIndex k = 0; k < body->n_weak; k++)
+    if (lth_staggered_roller_acts(body->disc, k)) found[body->weak_of[k]] = 1;
   for (LitheIndex i = 0; i < body->def->n_constraints && empty < 0; i++)
     if (!found[i] && !selects_any(body, i)) empty = i;
   lth_free(ctx, found);

@@ -302,6 +302,8 @@ static LitheStatus build_disc(LitheCtx *ctx, LthBody *body, const LthMaterialFie
                          .formulation = s->formulation,
                          .holds = s->holds,
                          .n_holds = s->n_holds,
+                         .rollers = s->rollers,
+                         .n_rollers = s->n_rollers,
                          .own = s->own.cell ? &s->own : NULL};
   return blame(ctx, body, "method", lth_staggered_create(ctx, &def, &body->disc));
 }
@@ -366,6 +368,9 @@ void lth_staggered_body_destroy(LitheCtx *ctx, LthStaggeredBody **body) {
   lth_free(ctx, s->holds);
   lth_free(ctx, s->hold_place);
   lth_free(ctx, s->hold_of);
+  lth_free(ctx, s->is_oblique);
+  lth_free(ctx, s->rollers);
+  lth_free(ctx, s->roller_place);
   lth_free(ctx, s);
   *body = NULL;
 }

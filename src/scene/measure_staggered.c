@@ -91,7 +91,7 @@ LitheStatus lth_add_grid_reactions(LitheCtx *ctx, const LthBody *body, const dou
                                    double *reaction) {
   const LthStaggeredBody *s = body->staggered;
   double *of_hold = NULL;
-  if (s->n_holds == 0) return LITHE_OK;
+  if (s->n_holds == 0 || !imbalance) return LITHE_OK; // weak rollers alone
   LTH_NEW(ctx, of_hold, 3 * (LitheCount)s->n_holds);
   lth_staggered_add_reactions(body->disc, imbalance + body->first, of_hold);
   for (LitheIndex k = 0; k < s->n_holds; k++)

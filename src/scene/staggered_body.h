@@ -11,10 +11,17 @@ typedef struct LthHoldPlace {
   const LthBody *body;
   const LthWhereSolid *where;
   bool is_roller;
+  const uint8_t *is_oblique; ///< of a roller: only where it is along an axis
   int axis;
   double sign;
   LthValue value; ///< of a roller against the axis
 } LthHoldPlace;
+
+/// A constraint of a body: what a roller that is not along an axis looks at.
+typedef struct LthRollerPlace {
+  const LthBody *body;
+  const LthWhereSolid *where;
+} LthRollerPlace;
 
 struct LthStaggeredBody {
   LthFractions *fractions; ///< sides that are held are full once constraints are built
@@ -29,6 +36,10 @@ struct LthStaggeredBody {
   LthHoldPlace *hold_place;
   LitheIndex *hold_of; ///< scene constraint behind each hold              (n_holds)
   LitheIndex n_holds;
+  uint8_t *is_oblique;         ///< per constraint: a roller, and not along an axis everywhere
+  LthStaggeredRoller *rollers; ///< where that is so; `weak_of` of the body says whose  (n_rollers)
+  LthRollerPlace *roller_place;
+  LitheIndex n_rollers;
   LthFormulation formulation; ///< known once the material field is built
 };
 

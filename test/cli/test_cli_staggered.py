@@ -523,8 +523,6 @@ def test_bad_input():
                  "displacement}}", "only the mixed formulation keeps volumes, got 0.5"),
                 ("degrees_are_of_elements", "bar.yaml", "bodies.0.method.degree=2", "it is of elements, got degree"),
                 ("so_is_enforce", "bar.yaml", "bodies.0.constraints.0.enforce=weak", "it is of elements, got it"),
-                ("rollers_need_an_axis", "bar.yaml", "bodies.0.shape={sphere: {center: [0, 0, 0], radius: 0.5}}",
-                 "are held along the axes, got a roller with the normal"),
                 ("nodes_are_of_elements_too", "bar.yaml", "bodies.0.loads.0={where: all, point_force: [1, 0, 0]}",
                  "a grid has no nodes on the boundary"),
                 ("a_scan_is_needed_for_its_voxels", "bar.yaml", "output.fields=[nifti]",

@@ -18,6 +18,15 @@ typedef struct LthStaggeredHold {
   LthValue value[3]; ///< [m]
 } LthStaggeredHold;
 
+/// A roller on boundary that is not along an axis: `selects` says which, at a point with an outward unit normal, and is
+/// thread-safe.
+typedef struct LthStaggeredRoller {
+  bool (*selects)(const void *self, const double point[3], const double normal[3]);
+  const void *self;
+  LthValue value; ///< displacement along the normal [m]
+  bool moves;     ///< it varies with time
+} LthStaggeredRoller;
+
 /// What the boundary unknowns of a load add up to.
 typedef struct LthBoundarySum {
   double area;
@@ -43,12 +52,16 @@ typedef struct LthStaggeredDef {
   LthFormulation formulation;
   const LthStaggeredHold *holds; ///< borrowed for life                          (n_holds)
   LitheIndex n_holds;
+  const LthStaggeredRoller
+      *rollers; ///< weak constraints in this order; borrowed for life (n_rollers)
+  LitheIndex n_rollers;
   const LthFractions *
       own; ///< fractions before held sides became full, on the same grid; borrowed for life; NULL: none did
   double least_fraction; ///< of rule A: cells with less hold nothing; 0: 1e-4
 } LthStaggeredDef;
 
 typedef struct LthMixedState LthMixedState;
+typedef struct LthStaggeredRollers LthStaggeredRollers;
 
 /// Immutable but for the state of the linearisation that update_rotations() keeps.
 typedef struct LthStaggered {
@@ -73,8 +86,12 @@ typedef struct LthStaggered {
 
   const LthStaggeredHold *holds;
   LitheIndex n_holds;
-  const LthFractions *own;    ///< as in the definition
-  LthStaggeredBeyond *beyond; ///< what free unknowns carry beyond held sides     (n_beyond)
+  const LthStaggeredRoller *roller;
+  LitheIndex n_rollers;
+  LthWeakConstraint *weak;      ///< the same as disc.weak                    (n_rollers)
+  LthStaggeredRollers *rollers; ///< their terms (staggered_roller.h), or NULL
+  const LthFractions *own;      ///< as in the definition
+  LthStaggeredBeyond *beyond;   ///< what free unknowns carry beyond held sides     (n_beyond)
   LitheCount n_beyond, cap_beyond;
   double *f0;           ///< K rest, once a matrix exists; or NULL      (n_dofs)
   double *partial;      ///< scratch of sums                           (grid->n_blocks)
@@ -100,6 +117,9 @@ void lth_staggered_place(const LthStaggered *s, LitheIndex func, int a, double x
 /// Unknowns that are held (n_dofs), and their places at time t, for LthSystemBody.
 const uint8_t *lth_staggered_held(const LthDisc *disc);
 LitheStatus lth_staggered_prescribe(const void *disc, double t, double *x);
+
+/// Whether a roller holds anything.
+bool lth_staggered_roller_acts(const LthDisc *disc, LitheIndex roller);
 
 /// reaction (n_holds x 3) += forces of constraints on the body, from the imbalance of all forces (n_dofs) [N].
 void lth_staggered_add_reactions(const LthDisc *disc, const double *imbalance, double *reaction);

@@ -96,13 +96,18 @@ static void compute_rows(const LthStaggered *s, const LitheCount *slot, const in
   }
 }
 
-/// Blocks of a function's rows in the matrix, in the order of the pattern.
+/// Blocks of a function's rows in the matrix, in the order of the pattern; those that rollers alone join are zero so far.
 static void store_rows(const Rows *rows, LitheIndex row, LthBlockMatrix *K) {
   LitheIndex col[N_OFFSETS];
-  int offset[N_OFFSETS], n = sort_columns(rows->func, col, offset);
-  for (int i = 0; i < n; i++)
-    memcpy(K->values + K->value_off[K->block_off[row] + i], rows->block[offset[i]],
-           sizeof rows->block[0]);
+  int offset[N_OFFSETS], n = sort_columns(rows->func, col, offset), i = 0;
+  for (LitheCount e = K->block_off[row]; e < K->block_off[row + 1]; e++) {
+    bool is_own = i < n && K->block_col[e] == col[i];
+    double *block = K->values + K->value_off[e];
+    if (is_own)
+      memcpy(block, rows->block[offset[i++]], sizeof rows->block[0]);
+    else
+      memset(block, 0, sizeof rows->block[0]);
+  }
 }
 
 typedef struct Pattern {
@@ -110,17 +115,32 @@ typedef struct Pattern {
   LitheIndex *col; // NULL: count only
 } Pattern;
 
+/// Two ascending lists as one, in `all` where that is not NULL; returns its length.
+static LitheCount unite(const LitheIndex *a, LitheCount n, const LitheIndex *b, LitheCount m,
+                        LitheIndex *all) {
+  LitheCount count = 0;
+  for (LitheCount i = 0, j = 0; i < n || j < m; count++) {
+    bool of_a = j == m || (i < n && a[i] <= b[j]), of_b = i == n || (j < m && b[j] <= a[i]);
+    if (all) all[count] = of_a ? a[i] : b[j];
+    i += of_a;
+    j += of_b;
+  }
+  return count;
+}
+
 static void visit_pattern(const LthStaggered *s, LitheIndex row, const LitheCount *slot,
                           const int stride[3], void *self) {
   Pattern *p = self;
   LitheIndex func[N_OFFSETS], col[N_OFFSETS];
   int offset[N_OFFSETS];
   find_neighbors(s, slot, stride, func);
+  const LitheIndex *near;
+  LitheCount n_near = lth_rollers_near(s, row, &near);
   int n = sort_columns(func, col, offset);
   if (p->col)
-    memcpy(p->col + p->block_off[row], col, sizeof *col * (size_t)n);
+    unite(col, n, near, n_near, p->col + p->block_off[row]);
   else
-    p->block_off[row + 1] = n;
+    p->block_off[row + 1] = unite(col, n, near, n_near, NULL);
 }
 
 LitheStatus lth_staggered_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K) {
@@ -171,21 +191,22 @@ static void visit_load(const LthStaggered *s, LitheIndex row, const LitheCount *
 
 void lth_staggered_assemble(LthDisc *disc, double t, LthBlockMatrix *K, double *f0) {
   LthStaggered *s = lth_staggered_of(disc);
-  (void)t;
   lth_staggered_visit(s, visit_matrix, K);
+  lth_rollers_add_matrix(s, K);
   lth_staggered_rest(disc, f0);
   lth_block_matrix_apply(K, lth_threads(s->ctx), f0,
                          s->f0); // the same sums as in K x: nothing is left at rest
   memcpy(f0, s->f0, sizeof *f0 * (size_t)disc->n_dofs);
   lth_mixed_add_force(s, -1, f0);
+  lth_rollers_add_load(s, t, f0);
 }
 
 void lth_staggered_assemble_load(LthDisc *disc, double t, double *f0) {
   LthStaggered *s = lth_staggered_of(disc);
-  (void)t;
   if (s->f0)
     memcpy(f0, s->f0, sizeof *f0 * (size_t)disc->n_dofs);
   else
     lth_staggered_visit(s, visit_load, f0);
   lth_mixed_add_force(s, -1, f0);
+  lth_rollers_add_load(s, t, f0);
 }

@@ -8,6 +8,7 @@
 static void destroy(LitheCtx *ctx, LthDisc *disc) {
   LthStaggered *s = disc->self;
   lth_staggered_finite_free(ctx, s);
+  lth_rollers_destroy(ctx, s);
   lth_mixed_solver_destroy(ctx, s);
   lth_mixed_state_destroy(ctx, s);
   lth_staggered_solver_destroy(ctx, s);
@@ -21,13 +22,6 @@ static void destroy(LitheCtx *ctx, LthDisc *disc) {
 static void update_rotations(LthDisc *disc, const double *x) {
   (void)x;
   lth_mixed_state_linearise(lth_staggered_of(disc));
-}
-
-/// Constraints hold unknowns; none is weak.
-static void reactions(LthDisc *disc, double t, const double *x, double *reaction) {
-  (void)t;
-  (void)x;
-  memset(reaction, 0, sizeof *reaction * 3 * (size_t)disc->n_weak);
 }
 
 static const LthDiscTable table = {.name = "staggered",
@@ -50,7 +44,7 @@ static const LthDiscTable table = {.name = "staggered",
                                    .mass_diagonal = lth_staggered_mass_diagonal,
                                    .add_load = lth_staggered_add_load,
                                    .add_gravity = lth_staggered_add_gravity,
-                                   .reactions = reactions,
+                                   .reactions = lth_rollers_reactions,
                                    .stress = lth_staggered_stress,
                                    .archive = lth_mixed_state_archive,
                                    .destroy = destroy};
@@ -124,6 +118,8 @@ static void copy_def(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered *s)
   s->formulation = def->formulation;
   s->holds = def->holds;
   s->n_holds = def->n_holds;
+  s->roller = def->rollers;
+  s->n_rollers = def->n_rollers;
   s->own = def->own;
 }
 
@@ -182,8 +178,10 @@ static LitheStatus build(LitheCtx *ctx, const LthStaggeredDef *def, LthStaggered
   LITHE_TRY(lth_staggered_build_beyond(ctx, s));
   drop_pressures(ctx, s);
   LITHE_TRY(lth_mixed_state_create(ctx, s));
+  LITHE_TRY(lth_rollers_create(ctx, s));
   if (s->model != LTH_MATERIAL_LINEAR) return lth_staggered_finite_attach(ctx, s);
   LITHE_TRY(lth_staggered_level_pack(ctx, &s->level));
+  if (lth_rollers_act(s)) return LITHE_OK; // their terms are in the matrix alone
   return s->mixed ? lth_mixed_solver_create(ctx, s) : lth_staggered_solver_create(ctx, s);
 }
 

@@ -46,7 +46,6 @@ static double slot_energy(const LthStaggered *s, const LitheCount *slot, const i
 double lth_staggered_energy(LthDisc *disc, double t, const double *x) {
   LthStaggered *s = lth_staggered_of(disc);
   const LthSparseGrid *g = s->grid;
-  (void)t;
 #pragma omp parallel for schedule(static) num_threads(lth_threads(s->ctx))
   for (LitheIndex block = 0; block < g->n_blocks; block++) {
     LthHalo halo;
@@ -57,7 +56,8 @@ double lth_staggered_energy(LthDisc *disc, double t, const double *x) {
   }
   double sum = 0;
   for (LitheIndex block = 0; block < g->n_blocks; block++) sum += s->partial[block];
-  return sum * lth_sparse_grid_cell_volume(g) + lth_mixed_energy(s, x);
+  return sum * lth_sparse_grid_cell_volume(g) + lth_mixed_energy(s, x) +
+         lth_rollers_energy(s, t, x);
 }
 
 /// The slots within one cell of a slot, as strides of a small halo of its own.

@@ -53,7 +53,7 @@ static double value_beside(const LthStaggered *s, LitheIndex i, int a, int b, co
   double at[3], value = 0;
   LthStencil t;
   lth_staggered_place(s, i, a, at);
-  lth_staggered_stencil(s, cell, b, at, &t);
+  lth_staggered_stencil(s, cell, b, at, 0, &t);
   for (int k = 0; k < t.n; k++) value += t.w[k] * x[3 * (LitheCount)s->func[t.slot[k]] + b];
   return value;
 }

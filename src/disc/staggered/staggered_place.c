@@ -9,6 +9,17 @@ static void cell_place(const LthStaggered *s, LitheCount slot, const double x[3]
   for (int a = 0; a < 3; a++) xi[a] = (x[a] - s->grid->origin[a]) / s->grid->h[a] - cell[a];
 }
 
+/// An unknown that is there, and whose cells hold `least` between them.
+static bool counts(const LthStaggered *s, LitheCount slot, int a, double least) {
+  if (!lth_staggered_slot_alive(s, a, slot)) return false;
+  if (least <= 0) return true;
+  const int below[3] = {-(a == 0), -(a == 1), -(a == 2)};
+  LitheCount low = lth_sparse_grid_step(s->grid, slot, below);
+  return lth_level_value(&s->level, s->level.volume, slot) +
+             lth_level_value(&s->level, s->level.volume, low) >=
+         2 * least;
+}
+
 static void add_node(LthStencil *t, LitheCount slot, double w, const double dw[3]) {
   int i = 0;
   while (i < t->n && t->slot[i] != slot) i++;
@@ -25,14 +36,14 @@ static void add_node(LthStencil *t, LitheCount slot, double w, const double dw[3
 
 /// The product of linear functions between the nodes at offsets base and base + 1; false where one is not alive.
 static bool product_stencil(const LthStaggered *s, LitheCount slot, int a, const double xi[3],
-                            const int base[3], LthStencil *t) {
+                            const int base[3], double least, LthStencil *t) {
   t->n = 0;
   for (int k = 0; k < 1 << s->dim; k++) {
     double w = 1, dw[3] = {0};
     int d[3] = {0};
     for (int b = 0; b < s->dim; b++) d[b] = base[b] + (k >> b & 1);
     LitheCount node = lth_sparse_grid_step(s->grid, slot, d);
-    if (!lth_staggered_slot_alive(s, a, node)) return false;
+    if (!counts(s, node, a, least)) return false;
     for (int b = 0; b < s->dim; b++) dw[b] = 1;
     for (int b = 0; b < s->dim; b++) {
       double r = xi[b] - (b == a ? 0 : 0.5) - base[b], high = k >> b & 1;
@@ -47,8 +58,8 @@ static bool product_stencil(const LthStaggered *s, LitheCount slot, int a, const
 
 /// Slope of component a across axis b over a cell: the mean over its two faces of differences between the faces on
 /// both sides, or to the one there is; false where there is none.
-static int slope_nodes(const LthStaggered *s, LitheCount slot, int a, int b, LitheCount node[6],
-                       double c[6]) {
+static int slope_nodes(const LthStaggered *s, LitheCount slot, int a, int b, double least,
+                       LitheCount node[6], double c[6]) {
   int n = 0, faces = 0;
   for (int face = 0; face < 2; face++) {
     LitheCount at[3]; // below, own, above
@@ -58,8 +69,7 @@ static int slope_nodes(const LthStaggered *s, LitheCount slot, int a, int b, Lit
       d[b] = k;
       at[k + 1] = lth_sparse_grid_step(s->grid, slot, d);
     }
-    int low = lth_staggered_slot_alive(s, a, at[0]) ? 0 : 1,
-        high = lth_staggered_slot_alive(s, a, at[2]) ? 2 : 1;
+    int low = counts(s, at[0], a, least) ? 0 : 1, high = counts(s, at[2], a, least) ? 2 : 1;
     if (low == high || !lth_staggered_slot_alive(s, a, at[1])) continue;
     node[n] = at[high];
     c[n++] = 1 / ((high - low) * s->grid->h[b]);
@@ -73,7 +83,7 @@ static int slope_nodes(const LthStaggered *s, LitheCount slot, int a, int b, Lit
 
 /// Linear between the cell's own two faces, with slopes across.
 static void linear_stencil(const LthStaggered *s, LitheCount slot, int a, const double xi[3],
-                           LthStencil *t) {
+                           double least, LthStencil *t) {
   t->n = 0;
   for (int face = 0; face < 2; face++) {
     double dw[3] = {0};
@@ -85,7 +95,7 @@ static void linear_stencil(const LthStaggered *s, LitheCount slot, int a, const 
   for (int b = 0; b < s->dim; b++) {
     LitheCount node[6];
     double c[6];
-    int n = b == a ? 0 : slope_nodes(s, slot, a, b, node, c);
+    int n = b == a ? 0 : slope_nodes(s, slot, a, b, least, node, c);
     for (int i = 0; i < n; i++) {
       double dw[3] = {0};
       dw[b] = c[i];
@@ -97,7 +107,7 @@ static void linear_stencil(const LthStaggered *s, LitheCount slot, int a, const 
 // Across a component's own axis the nodes on the place's side are taken, or those on the other side where one of
 // them is missing: the value is then that of the same linear function carried on.
 void lth_staggered_stencil(const LthStaggered *s, LitheCount slot, int a, const double x[3],
-                           LthStencil *t) {
+                           double least, LthStencil *t) {
   double xi[3];
   int across[2], n = 0;
   cell_place(s, slot, x, xi);
@@ -109,14 +119,14 @@ void lth_staggered_stencil(const LthStaggered *s, LitheCount slot, int a, const 
       bool below = (xi[across[k]] < 0.5) != (flip >> k & 1);
       base[across[k]] = below ? -1 : 0;
     }
-    if (product_stencil(s, slot, a, xi, base, t)) return;
+    if (product_stencil(s, slot, a, xi, base, least, t)) return;
   }
-  linear_stencil(s, slot, a, xi, t);
+  linear_stencil(s, slot, a, xi, least, t);
 }
 
-/// Slopes of component a over the cell.
-static void mean_stencil(const LthStaggered *s, LitheCount slot, int a, LthStencil *t) {
-  linear_stencil(s, slot, a, (const double[3]){0.5, 0.5, 0.5}, t);
+void lth_staggered_mean_stencil(const LthStaggered *s, LitheCount slot, int a, double least,
+                                LthStencil *t) {
+  linear_stencil(s, slot, a, (const double[3]){0.5, 0.5, 0.5}, least, t);
 }
 
 /// The components' functions as one ascending list.
@@ -170,7 +180,8 @@ static int gather_slopes(const LthStaggered *s, const LthStencil stencil[3], Lit
 
 static void stencils_at(const LthStaggered *s, LitheIndex cell, const double x[3],
                         LthStencil stencil[3]) {
-  for (int a = 0; a < s->dim; a++) lth_staggered_stencil(s, s->cell_slot[cell], a, x, &stencil[a]);
+  for (int a = 0; a < s->dim; a++)
+    lth_staggered_stencil(s, s->cell_slot[cell], a, x, 0, &stencil[a]);
 }
 
 int lth_staggered_eval(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
@@ -191,6 +202,7 @@ int lth_staggered_mean_gradient(const LthDisc *disc, LitheIndex cell, LitheIndex
                                 double *dphi) {
   const LthStaggered *s = lth_staggered_const(disc);
   LthStencil stencil[3];
-  for (int a = 0; a < s->dim; a++) mean_stencil(s, s->cell_slot[cell], a, &stencil[a]);
+  for (int a = 0; a < s->dim; a++)
+    lth_staggered_mean_stencil(s, s->cell_slot[cell], a, 0, &stencil[a]);
   return gather_slopes(s, stencil, func, dphi);
 }

@@ -78,6 +78,20 @@ void lth_staggered_load_beyond(const LthStaggered *s, const LthLoad *load, doubl
 /// Samples between free unknowns and held ones get the stiffness of the way to where the hold begins.
 LitheStatus lth_staggered_stiffen_walls(LitheCtx *ctx, LthStaggered *s);
 
+// staggered_roller.c
+
+/// Terms of rollers that are not along an axis, once functions have numbers.
+LitheStatus lth_rollers_create(LitheCtx *ctx, LthStaggered *s);
+void lth_rollers_destroy(LitheCtx *ctx, LthStaggered *s);
+bool lth_rollers_act(const LthStaggered *s); ///< on something
+/// Functions that they join with one, ascending, in a list that is lent; returns how many.
+LitheCount lth_rollers_near(const LthStaggered *s, LitheIndex func, const LitheIndex **near);
+/// Their part of K, of f0 by what is prescribed, of the energy [J]; forces on the body (n_rollers x 3) [N].
+void lth_rollers_add_matrix(const LthStaggered *s, LthBlockMatrix *K);
+void lth_rollers_add_load(const LthStaggered *s, double t, double *f0);
+double lth_rollers_energy(const LthStaggered *s, double t, const double *x);
+void lth_rollers_reactions(LthDisc *disc, double t, const double *x, double *reaction);
+
 // staggered_assemble.c
 
 LitheStatus lth_staggered_matrix_create(LitheCtx *ctx, const LthDisc *disc, LthBlockMatrix **K);
@@ -103,9 +117,13 @@ void lth_staggered_stress(const LthDisc *disc, LitheIndex cell, const double *x,
 
 // staggered_place.c
 
-/// Component a at x, which may lie outside of the live cell at `slot`: linear fields are exact there too.
+/// Component a at x, which may lie outside of the live cell at `slot`: linear fields are exact there too. By unknowns whose cells
+/// have the mean fraction `least`, but for those of the cell itself; 0: by all.
 void lth_staggered_stencil(const LthStaggered *s, LitheCount slot, int a, const double x[3],
-                           LthStencil *stencil);
+                           double least, LthStencil *stencil);
+/// Slopes of component a over a cell, in `dw`.
+void lth_staggered_mean_stencil(const LthStaggered *s, LitheCount slot, int a, double least,
+                                LthStencil *stencil);
 int lth_staggered_eval(const LthDisc *disc, LitheIndex cell, const double x[3], LitheIndex *func,
                        double *phi);
 int lth_staggered_eval_gradient(const LthDisc *disc, LitheIndex cell, const double x[3],
