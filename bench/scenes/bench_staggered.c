@@ -142,7 +142,7 @@ static double triad(LitheCtx *ctx) {
   double *a = lth_alloc(ctx, N, 8), *b = lth_alloc(ctx, N, 8), *c = lth_alloc(ctx, N, 8),
          best = 1e9;
   if (!a || !b || !c) check(ctx, LITHE_NO_MEMORY);
-  // pages that nobody has written are one page of zeros, which the cache holds
+    // pages that nobody has written are one page of zeros, which the cache holds
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount i = 0; i < N; i++) a[i] = 0, b[i] = 1, c[i] = 2;
   for (int run = 0; run < 10; run++) {
@@ -219,8 +219,8 @@ static void export_matrix(LitheCtx *ctx, const Body *b, const char *path) {
 }
 
 typedef struct Row {
-  double fractions, disc, prepare, solve, residual, apply, dense, moved, full, full_work, full_error,
-      bytes;
+  double fractions, disc, prepare, solve, residual, apply, dense, moved, full, full_work,
+      full_error, bytes;
   LitheIndex iterations;
 } Row;
 
@@ -290,19 +290,21 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
   double least = 16.0 * (double)b.unknowns / memory;
   printf(
       o->csv
-          ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.2f,%.1f,%"
+          ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.2f,%"
+            ".1f,%"
             ".1f,%.1e\n"
           : "%dD %5d nu %-5g threads %d triad %.1f GB/s %10lld unknowns: fractions %.3f disc %.3f "
             "prepare %.3f solve %.3f s, "
             "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
-            "operator %.2e s, %.2f x memory (dense %.2f), %.2f x moved, full multigrid %.1f operators, work "
+            "operator %.2e s, %.2f x memory (dense %.2f), %.2f x moved, full multigrid %.1f "
+            "operators, work "
             "%.1f, error "
             "%.1e\n",
       o->dim, cells, o->nu, lth_threads(ctx), memory * 1e-9, (long long)b.unknowns, row.fractions,
       row.disc, row.prepare, row.solve, report.iterations, row.residual,
       (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply,
-      row.apply / least, row.dense / least, row.moved > 0 ? row.apply * memory / row.moved : 0, row.full / row.apply,
-      row.full_work, row.full_error);
+      row.apply / least, row.dense / least, row.moved > 0 ? row.apply * memory / row.moved : 0,
+      row.full / row.apply, row.full_work, row.full_error);
   fflush(stdout);
   if (o->file) export_matrix(ctx, &b, o->file);
   body_free(ctx, &b);
@@ -350,7 +352,8 @@ int main(int argc, char **argv) {
   if (o.csv)
     printf("dim,cells,nu,threads,triad GB/s,unknowns,fractions s,disc s,prepare s,solve "
            "s,iterations,residual,"
-           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory bound,dense/memory bound,"
+           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory "
+           "bound,dense/memory bound,"
            "operator/moved bound,fmg operators,fmg work,fmg error\n");
   int wanted = o.dim;
   for (o.dim = 2; o.dim <= 3; o.dim++) {

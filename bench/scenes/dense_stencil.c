@@ -33,7 +33,8 @@ static inline __attribute__((always_inline)) void stencil(const int dim, const B
   const ptrdiff_t step[3] = {1, box->step[1], box->step[2]};
   const double *p[3];
   double *q[3];
-  for (int a = 0; a < 3; a++) p[a] = box->p + a * box->size + at, q[a] = box->q + a * box->size + at;
+  for (int a = 0; a < 3; a++)
+    p[a] = box->p + a * box->size + at, q[a] = box->q + a * box->size + at;
 #pragma omp simd
   for (ptrdiff_t i = 0; i < box->side; i++) {
     const double here = divergence(dim, p, i, step);

@@ -475,6 +475,16 @@ static void wider(const void *self, const double x[3], double value[3]) {
   value[1] = value[2] = 0;
 }
 
+/// A field's changes of volume, and what is admitted of them.
+static LitheStatus admit(SgBody *b, void (*field)(const void *, const double[3], double[3]),
+                         double *before, double *c) {
+  const LthDiscVolume *volume = b->disc->table->volume;
+  sg_project(b, field, NULL, b->f);
+  volume->strain(b->disc, 1, b->f, before);
+  memcpy(c, before, sizeof *c * (size_t)volume->count(b->disc));
+  return volume->admit(b->ctx, b->disc, b->f, c);
+}
+
 static void parts_that_are_held_all_around_keep_their_volume(void **state) {
   (void)state;
   for (int dim = 2; dim <= 3; dim++) {
@@ -485,10 +495,7 @@ static void parts_that_are_held_all_around_keep_their_volume(void **state) {
     const LthDiscVolume *volume = b.disc->table->volume;
     const LitheCount n = volume->count(b.disc);
     double *c = lth_alloc(b.ctx, n, sizeof *c), *before = lth_alloc(b.ctx, n, sizeof *before);
-    sg_project(&b, curved, NULL, b.f);
-    volume->strain(b.disc, 1, b.f, c);
-    memcpy(before, c, sizeof *c * (size_t)n);
-    CHECK_OK(b.ctx, volume->admit(b.ctx, b.disc, b.f, c));
+    CHECK_OK(b.ctx, admit(&b, curved, before, c));
     double left = 0, taken = before[0] - c[0];
     for (LitheCount i = 0; i < n; i++) {
       CHECK_NEAR(before[i] - c[i], taken, 1e-13);
@@ -496,9 +503,7 @@ static void parts_that_are_held_all_around_keep_their_volume(void **state) {
     }
     assert_true(fabs(taken) > 1e-3);
     CHECK_NEAR(left, 0, 1e-13 * (double)n);
-    sg_project(&b, wider, NULL, b.f);
-    volume->strain(b.disc, 1, b.f, c);
-    assert_int_equal(volume->admit(b.ctx, b.disc, b.f, c), LITHE_BAD_INPUT);
+    assert_int_equal(admit(&b, wider, before, c), LITHE_BAD_INPUT);
     for (LitheCount i = 0; i < n; i++) c[i] = 1 + cos((double)i);
     volume->keep(b.disc, c);
     double mean = 0;
@@ -518,13 +523,9 @@ static void one_side_that_is_free_lets_volumes_change(void **state) {
     LthStaggeredHold hold;
     SgBody b;
     tray_create(&b, &tray, &hold);
-    const LthDiscVolume *volume = b.disc->table->volume;
-    const LitheCount n = volume->count(b.disc);
+    const LitheCount n = b.disc->table->volume->count(b.disc);
     double *c = lth_alloc(b.ctx, n, sizeof *c), *before = lth_alloc(b.ctx, n, sizeof *before);
-    sg_project(&b, wider, NULL, b.f);
-    volume->strain(b.disc, 1, b.f, c);
-    memcpy(before, c, sizeof *c * (size_t)n);
-    CHECK_OK(b.ctx, volume->admit(b.ctx, b.disc, b.f, c));
+    CHECK_OK(b.ctx, admit(&b, wider, before, c));
     assert_memory_equal(before, c, sizeof *c * (size_t)n);
     lth_free(b.ctx, c);
     lth_free(b.ctx, before);
