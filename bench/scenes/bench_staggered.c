@@ -136,13 +136,13 @@ static void body_free(LitheCtx *ctx, Body *b) {
   lth_soup_destroy(ctx, &b->soup);
 }
 
-/// Bytes a second of a = b + c d, as many at once as there are threads.
+/// Bytes a second of a = b + c d, as many at once as there are threads. Arrays are written first: pages that nobody has
+/// written are one page of zeros, which the cache holds.
 static double triad(LitheCtx *ctx) {
   enum { N = 8000000 };
   double *a = lth_alloc(ctx, N, 8), *b = lth_alloc(ctx, N, 8), *c = lth_alloc(ctx, N, 8),
          best = 1e9;
   if (!a || !b || !c) check(ctx, LITHE_NO_MEMORY);
-    // pages that nobody has written are one page of zeros, which the cache holds
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount i = 0; i < N; i++) a[i] = 0, b[i] = 1, c[i] = 2;
   for (int run = 0; run < 10; run++) {
@@ -291,15 +291,12 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
   printf(
       o->csv
           ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.2f,%"
-            ".1f,%"
-            ".1f,%.1e\n"
+            ".1f,%.1f,%.1e\n"
           : "%dD %5d nu %-5g threads %d triad %.1f GB/s %10lld unknowns: fractions %.3f disc %.3f "
             "prepare %.3f solve %.3f s, "
             "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
             "operator %.2e s, %.2f x memory (dense %.2f), %.2f x moved, full multigrid %.1f "
-            "operators, work "
-            "%.1f, error "
-            "%.1e\n",
+            "operators, work %.1f, error %.1e\n",
       o->dim, cells, o->nu, lth_threads(ctx), memory * 1e-9, (long long)b.unknowns, row.fractions,
       row.disc, row.prepare, row.solve, report.iterations, row.residual,
       (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply,
@@ -352,9 +349,9 @@ int main(int argc, char **argv) {
   if (o.csv)
     printf("dim,cells,nu,threads,triad GB/s,unknowns,fractions s,disc s,prepare s,solve "
            "s,iterations,residual,"
-           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,operator/memory "
-           "bound,dense/memory bound,"
-           "operator/moved bound,fmg operators,fmg work,fmg error\n");
+           "unknowns/s,bytes/unknown,solver bytes/unknown,operator s,"
+           "operator/memory bound,dense/memory bound,operator/moved bound,fmg operators,fmg "
+           "work,fmg error\n");
   int wanted = o.dim;
   for (o.dim = 2; o.dim <= 3; o.dim++) {
     if (wanted && wanted != o.dim) continue;

@@ -1,16 +1,11 @@
 /// Loads of staggered bodies: what they select is asked at boundary points.
 #include "scene/staggered_body.h"
 
-#include "base/tensor.h"
-
 #include <string.h>
 
 static bool selects(const void *self, const double point[3], const double normal[3]) {
   const LthWhereSolid *where = self;
-  LthPlace place = {.is_boundary = true};
-  lth_v3_copy(point, place.x);
-  lth_v3_copy(point, place.point);
-  lth_v3_copy(normal, place.normal);
+  const LthPlace place = lth_place_at_boundary(point, normal);
   return lth_where_solid_contains(where, &place);
 }
 

@@ -235,10 +235,7 @@ static bool find_oblique(const LthBody *body, LitheIndex i, LthPlace *place) {
 
 static bool selects_oblique(const void *self, const double point[3], const double normal[3]) {
   const LthRollerPlace *r = self;
-  LthPlace place = {.is_boundary = true};
-  lth_v3_copy(point, place.x);
-  lth_v3_copy(point, place.point);
-  lth_v3_copy(normal, place.normal);
+  const LthPlace place = lth_place_at_boundary(point, normal);
   return !is_along_axis(r->body, &place) && lth_where_solid_contains(r->where, &place);
 }
 

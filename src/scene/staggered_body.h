@@ -76,6 +76,14 @@ double lth_field_density(const LthBody *body, const double x[3]); ///< [kg/m^3]
 LitheStatus lth_staggered_where(LitheCtx *ctx, const LthBody *body, const LthWhere *where,
                                 bool all_inside, LthWhereSolid *ready);
 
+/// A point of the boundary as a place.
+static inline LthPlace lth_place_at_boundary(const double x[3], const double n[3]) {
+  return (LthPlace){.x = {x[0], x[1], x[2]},
+                    .is_boundary = true,
+                    .point = {x[0], x[1], x[2]},
+                    .normal = {n[0], n[1], n[2]}};
+}
+
 /// The place as one of the boundary: false where x is inside the solid or far from it. `depth` [m]: so far inside
 /// still counts.
 bool lth_staggered_boundary_place(const LthBody *body, const double x[3], double depth,
