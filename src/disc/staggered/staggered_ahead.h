@@ -32,24 +32,22 @@ ALWAYS void N(look_ahead)(const LthFastLevel *L, LitheIndex block, const REAL *v
   }
 }
 
-/// What belongs to row `row` of a block.
-ALWAYS void N(fetch_ahead)(const N(Ahead) * A, const N(Samples) * c, int row) {
-  enum {
-    LINE = 64 / (int)sizeof(LitheIndex),
-    LINES = BLOCK_ROWS / LINE,
-    EVERY = DIM == 3 ? 4 : SIDE
-  };
-  if (row % 4 == 2 && row / 4 < DIM * LINES) {
-    const LitheIndex *numbers = A->numbers[row / 4 / LINES];
-    if (numbers) __builtin_prefetch(numbers + row / 4 % LINES * LINE, 0, 2);
-  }
-  if (row % 2 && A->state[0] && row / 2 < DIM * CELLS / 64)
-    __builtin_prefetch(A->state[row / 2 % DIM] + row / 2 / DIM * 64, 0, 2);
-  if (row % EVERY) return;
-  const int n = row / EVERY, plane = n >= SIDE, at = DIM == 2 ? 0 : plane ? n - SIDE : n * SIDE;
-  N(fetch_row)(A->values + N(number)(A->near[plane], at) * A->stride);
-  if (!A->samples[plane]) return;
+/// What goes with plane k of the block.
+ALWAYS void N(fetch_ahead)(const N(Ahead) * A, const N(Samples) * c, int k) {
+  enum { LINE = 64 / (int)sizeof(LitheIndex), STATES = CELLS / 64 / DEEP };
   UNROLL
-  for (int e = 0; e < N_SHEAR; e++)
-    __builtin_prefetch(c->shear[e] + A->samples[plane][at] * c->stride, 0, 2);
+  for (int a = 0; a < DIM; a++) {
+    if (A->numbers[a] && k * LINE < BLOCK_ROWS) __builtin_prefetch(A->numbers[a] + k * LINE, 0, 2);
+    for (int n = 0; n < STATES && A->state[a]; n++)
+      __builtin_prefetch(A->state[a] + (k * STATES + n) * 64, 0, 2);
+  }
+  UNROLL
+  for (int p = 0; p < DIM - 1; p++) {
+    const int row = p == 0 ? k * SIDE : k;
+    N(fetch_row)(A->values + N(number)(A->near[p], row) * A->stride);
+    if (!A->samples[p]) continue;
+    UNROLL
+    for (int e = 0; e < N_SHEAR; e++)
+      __builtin_prefetch(c->shear[e] + A->samples[p][row] * c->stride, 0, 2);
+  }
 }

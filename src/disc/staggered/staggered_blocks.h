@@ -48,58 +48,46 @@ static inline LitheIndex block_later(const LthSparseGrid *g, LitheIndex block, L
 ALWAYS float *row_of(LthFastVector v, LitheIndex row) { return v.at + row * v.stride; }
 
 /// The operator in a block.
-ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, Block_f *B) {
+ALWAYS void fast_block(const LthFastLevel *L, LitheIndex block, const bool uniform, Block_f *B) {
   enum { SAMPLES = N_SHEAR + 2, STRIDE = SAMPLES * SIDE };
   const LitheIndex *near = L->grid->neighbor + (LitheCount)block * N_NEAR;
-  const float ratio[3] = {1, (float)L->ratio[1], (float)L->ratio[2]};
   const float *c = L->constant + 3 * (LitheCount)block, *s = L->sample;
-  const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
   B->own = find_near_f(L, block);
-  B->kind[0] = L->alive[block] & ~L->plain[block];
-  B->kind[1] = L->plain[block];
-  B->same = constant_f(c[0], c[1], uniform ? c[2] : 0, ratio);
+  B->lambda = same_f(c[0]);
+  B->mu = same_f(c[1]);
   B->samples.lambda = s;
   B->samples.mu = s + SIDE;
   B->samples.stride = STRIDE;
-  B->samples.scale = 1;
   UNROLL
-  for (int a = 0; a < DIM; a++) B->samples.ratio[a] = ratio[a];
+  for (int a = 0; a < DIM; a++) B->step[a] = B->ratio[a] = (float)L->ratio[a];
   UNROLL
   for (int e = 0; e < N_SHEAR; e++)
     B->samples.shear[e] = s + (2 + (DIM == 3 ? (e + 1) % 3 : 0)) * SIDE;
   if (!uniform) find_samples_f(L->level, near, &B->samples);
   find_rows_f(L, near, L->x.at, L->x.stride, false, &B->rows);
   look_ahead_f(L, block, L->x.at, L->x.stride, &B->ahead);
-  if (uniform) begin_planes_f(B);
 }
 
-/// f = A x from place i on in a row of a general block, in vectors row q.
-ALWAYS void fast_row(const LthFastLevel *L, LitheIndex block, const Block_f *B, const bool plain,
-                     int row, int i, LitheIndex q, Lane_f f[DIM]) {
-  row_f(B, plain, row, i, f);
+/// f += M x in row q of vectors, from place i on.
+ALWAYS void fast_inertia(const LthFastLevel *L, LitheIndex block, const bool uniform, LitheIndex q,
+                         int i, Lane_f f[DIM]) {
   if (!L->inertia) return;
-  const float *m = L->inertia + (L->number[block] + q - B->own.first) * (LitheCount)WIDTH + i;
+  const float *x = row_of(L->x, q) + i;
+  const float *m =
+      uniform ? NULL
+              : L->inertia + (L->number[block] + q - L->first[block]) * (LitheCount)WIDTH + i;
+  const float same = L->constant[3 * (LitheCount)block + 2];
   UNROLL
   for (int a = 0; a < DIM; a++)
-    f[a] += load_f(m + a * SIDE) * load_f(row_of(L->x, q) + i + a * SIDE);
+    f[a] += (uniform ? same_f(same) : load_f(m + a * SIDE)) * load_f(x + a * SIDE);
 }
 
-// Rows of general blocks come kind by kind, so that processors guess right what comes next; what is fetched ahead goes by
-// their count.
-#define EACH_KIND(plain)                                                                           \
-  UNROLL                                                                                           \
-  for (int plain = 0; plain < 2; plain++)
 #define EACH_PART(real, i) UNROLL_SIDE for (int i = 0; i < SIDE; i += LANES_##real)
-#define EACH_ROW(rows, row)                                                                        \
-  for (uint64_t left_ = (rows), row = 0; left_ && (row = (uint64_t)__builtin_ctzll(left_), true);  \
-       left_ &= left_ - 1)
-
-/// With row q of a block, fetch what is wanted soon.
-ALWAYS void fast_fetch(const LthFastLevel *L, const Block_f *B, LitheIndex q, int row) {
+/// With row q, fetch what is wanted soon.
+ALWAYS void fast_fetch(const LthFastLevel *L, LitheIndex q) {
   fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
   fetch_row_f(row_of(L->y, q + SOON));
   fetch_row_f(row_of(L->b, q + SOON));
-  fetch_ahead_f(&B->ahead, &B->samples, row);
 }
 
 /// Inverse of the diagonal of a component in a uniform block.
@@ -131,6 +119,9 @@ ALWAYS const float *inverse_of(const LthFastLevel *L, LitheIndex block, LitheInd
 
 /// What a step takes, in a block.
 typedef struct Step {
+  const LthFastLevel *L;
+  LitheIndex block;
+  bool uniform;
   LthFastStep by;
   float same[DIM]; ///< length D^-1, where it is the same in all rows
   Lane_d product;
@@ -155,37 +146,31 @@ ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, cons
   }
 }
 
+/// A step in row q.
+ALWAYS void take_step(void *to, int row, LitheIndex q, Lane_f f[][DIM]) {
+  Step *step = to;
+  const LthFastLevel *L = step->L;
+  (void)row;
+  fast_fetch(L, q);
+  const float *inverse = step->uniform ? NULL : inverse_of(L, step->block, q);
+  if (!step->uniform) fetch_row_f(inverse + SOON * WIDTH);
+  EACH_PART(F, i) {
+    fast_inertia(L, step->block, step->uniform, q, i, f[i / LANES_F]);
+    smooth_row(L, step, step->by.fresh, inverse, q, i, f[i / LANES_F]);
+  }
+}
+
 /// A step, row by row; returns b . y, in double precision.
 ALWAYS double smooth_rows(const LthFastLevel *L, LitheIndex block, LthFastStep by, const bool fresh,
                           const bool uniform) {
-  const LitheIndex first = L->first[block];
+  by.fresh = fresh;
   Block_f B;
-  Lane_f f[DIM];
-  Step step = {.by = by};
-  fast_block(L, block, &B);
+  Step step = {.L = L, .block = block, .uniform = uniform, .by = by};
+  fast_block(L, block, uniform, &B);
   UNROLL
   for (int a = 0; a < DIM; a++)
     step.same[a] = uniform ? by.length * inverse_diagonal(L, block, a) : 0;
-  int n = 0;
-  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
-    const LitheIndex q = number_f(B.own, (int)row);
-    fast_fetch(L, &B, q, n++);
-    fetch_row_f(inverse_of(L, block, q + SOON));
-    EACH_PART(F, i) {
-      fast_row(L, block, &B, plain, (int)row, i, q, f);
-      smooth_row(L, &step, fresh, inverse_of(L, block, q), q, i, f);
-    }
-  }
-  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(F, i) {
-      Slide_f slide;
-      UNROLL_SIDE
-      for (int j = 0; j < SIDE; j++) {
-        const LitheIndex q = first + k * SIDE + j;
-        if (i == 0) fast_fetch(L, &B, q, k * SIDE + j);
-        next_row_f(&B, &slide, j, k, i, f);
-        smooth_row(L, &step, fresh, NULL, q, i, f);
-      }
-    }
+  sweep_f(&B, uniform, take_step, &step);
   return by.product ? sum_lanes(step.product) : 0;
 }
 
@@ -229,33 +214,32 @@ ALWAYS void scale_row(const LthFastLevel *L, float same, const float *scale, Lit
   }
 }
 
+/// What a residual takes, in a block.
+typedef struct Rest {
+  const LthFastLevel *L;
+  LitheIndex block;
+  bool uniform;
+} Rest;
+
+/// The residual in row q.
+ALWAYS void take_rest(void *to, int row, LitheIndex q, Lane_f f[][DIM]) {
+  const Rest *rest = to;
+  const LthFastLevel *L = rest->L;
+  const float *scale = L->scaled[rest->block] >= 0 ? scale_of(L, rest->block, q) : NULL;
+  (void)row;
+  fast_fetch(L, q);
+  EACH_PART(F, i) {
+    fast_inertia(L, rest->block, rest->uniform, q, i, f[i / LANES_F]);
+    scale_row(L, L->same_scale[rest->block], scale, q, i, f[i / LANES_F]);
+  }
+}
+
 /// y = scale (b - A x), row by row.
 ALWAYS void residual_rows(const LthFastLevel *L, LitheIndex block, const bool uniform) {
-  const LitheIndex first = L->first[block];
-  const bool varies = L->scaled[block] >= 0;
-  const float same = L->same_scale[block];
   Block_f B;
-  Lane_f f[DIM];
-  fast_block(L, block, &B);
-  int n = 0;
-  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
-    const LitheIndex q = number_f(B.own, (int)row);
-    fast_fetch(L, &B, q, n++);
-    EACH_PART(F, i) {
-      fast_row(L, block, &B, plain, (int)row, i, q, f);
-      scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, i, f);
-    }
-  }
-  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(F, i) {
-      Slide_f slide;
-      UNROLL_SIDE
-      for (int j = 0; j < SIDE; j++) {
-        const LitheIndex q = first + k * SIDE + j;
-        if (i == 0) fast_fetch(L, &B, q, k * SIDE + j);
-        next_row_f(&B, &slide, j, k, i, f);
-        scale_row(L, same, varies ? scale_of(L, block, q) : NULL, q, i, f);
-      }
-    }
+  Rest rest = {L, block, uniform};
+  fast_block(L, block, uniform, &B);
+  sweep_f(&B, uniform, take_rest, &rest);
 }
 
 static void residual(const LthFastLevel *L, LitheIndex block) {
@@ -275,32 +259,30 @@ static void weigh(const LthFastLevel *L, LitheIndex block) {
 }
 
 /// The operator in double precision in a block.
-ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
+ALWAYS void exact_block(const LthFastLevel *L, LitheIndex block, double stiff, const bool uniform,
                         const double *values, Block_d *B) {
   const LthStaggeredLevel *l = L->level;
   const LitheIndex *near = L->grid->neighbor + (LitheCount)block * N_NEAR;
   const LitheCount at = lth_fast_constant(L, block);
-  const bool uniform = L->kind[block] == LTH_BLOCK_UNIFORM;
   B->own = find_near_d(L, block);
-  B->kind[0] = L->alive[block] & ~L->plain[block];
-  B->kind[1] = L->plain[block];
-  B->same = constant_d(stiff * l->lambda[at], stiff * l->mu[at],
-                       uniform ? inert * l->mass[0][at] : 0, L->ratio);
+  B->lambda = same_d(l->lambda[at]);
+  B->mu = same_d(l->mu[at]);
   B->samples.lambda = l->lambda;
   B->samples.mu = l->mu;
   B->samples.stride = SIDE;
-  B->samples.scale = stiff;
   UNROLL
-  for (int a = 0; a < DIM; a++) B->samples.ratio[a] = L->ratio[a];
+  for (int a = 0; a < DIM; a++) {
+    B->ratio[a] = L->ratio[a];
+    B->step[a] = stiff * L->ratio[a];
+  }
   UNROLL
   for (int e = 0; e < N_SHEAR; e++) B->samples.shear[e] = l->shear[DIM == 3 ? e : 2];
   if (!uniform) find_samples_d(l, near, &B->samples);
   find_rows_d(L, near, values, WIDTH, false, &B->rows);
   look_ahead_d(L, block, values, WIDTH, &B->ahead);
-  if (uniform) begin_planes_d(B);
 }
 
-typedef uint64_t Bits __attribute__((vector_size(REGISTER)));
+typedef int64_t Bits __attribute__((vector_size(REGISTER)));
 
 // Shifts that bring the lowest bits of bytes to the top of a word.
 #if LANES_D == 8
@@ -311,35 +293,43 @@ typedef uint64_t Bits __attribute__((vector_size(REGISTER)));
 #define TO_TOP 63, 55
 #endif
 
-/// v where unknowns are free, or (`held`) not dead, else 0. The lowest bit of a state says that it is free, the next one
-/// that it is held.
-ALWAYS Lane_d where_counted(Lane_d v, const uint8_t state[LANES_D], bool held) {
-  uint64_t s = 0;
-  memcpy(&s, state, LANES_D);
-  s |= held ? s >> 1 : 0;
-  const Bits lowest = ((Bits){0} + s) << (Bits){TO_TOP};
-  return (Lane_d)((Bits)v & -(lowest >> 63));
+/// v, from place i of a row on, where unknowns are free, or (`held`) not dead, else 0; `states`: of the row. The lowest bit of a
+/// state says that it is free, the next one that it is held.
+ALWAYS Lane_d where_counted(Lane_d v, const uint8_t *states, int i, const bool held) {
+  int64_t s;
+  memcpy(&s, states + i / 8 * 8, 8);
+  if (held) s |= s >> 1;
+  const Bits lowest = ((Bits){0} + s) << ((Bits){TO_TOP} - i % 8 * 8);
+  return (Lane_d)((Bits)v & (lowest < 0));
 }
 
-/// f += m M p, and zero where an unknown does not count (all do in plain rows), in a row of slots of a general block.
-ALWAYS void finish_row(const LthFastLevel *L, LitheCount row, int i, double inert, bool held,
-                       const bool plain, const double *p, Lane_d f[DIM]) {
-  const LthStaggeredLevel *l = L->level;
-  if (plain && inert == 0) return;
+/// What an application takes, in a block.
+typedef struct Product {
+  const LthFastLevel *L;
+  LitheIndex block;
+  bool uniform, held;
+  double inert;
+  const double *values;
+  double *result;
+  Lane_d product;
+} Product;
+
+/// f += m M p, and zero where an unknown does not count (all do in uniform blocks), in a row of slots.
+ALWAYS void finish_row(const Product *P, LitheCount row, int i, const double *p, Lane_d f[DIM]) {
+  const LthStaggeredLevel *l = P->L->level;
   UNROLL
   for (int a = 0; a < DIM; a++) {
-    if (inert != 0)
-      f[a] += inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
+    if (P->inert != 0)
+      f[a] += P->inert * load_d(l->mass[a] + l->row[row] * (LitheCount)SIDE + i) *
               load_d(p + a * SIDE + i);
-    if (!plain) f[a] = where_counted(f[a], l->state[a] + row * SIDE + i, held);
+    if (!P->uniform) f[a] = where_counted(f[a], l->state[a] + row * SIDE, i, P->held);
   }
 }
 
-/// With row q of vectors of a block, its row `row`, fetch what is wanted soon.
-ALWAYS void exact_fetch(const Block_d *B, const double *p, const double *to, int row) {
+/// The same for a row of two vectors.
+ALWAYS void exact_fetch(const double *p, const double *to) {
   fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
   fetch_row_d(to + SOON * WIDTH);
-  fetch_ahead_d(&B->ahead, &B->samples, row);
 }
 
 /// q = f; returns p . q, both from `i` on in their rows.
@@ -353,37 +343,27 @@ ALWAYS Lane_d exact_store(const double *p, const Lane_d f[DIM], double *q) {
   return product;
 }
 
+/// A p in row q.
+ALWAYS void take_product(void *to, int row, LitheIndex q, Lane_d f[][DIM]) {
+  Product *P = to;
+  const double *p = P->values + q * (LitheCount)WIDTH;
+  double *out = P->result + q * (LitheCount)WIDTH;
+  exact_fetch(p, out);
+  EACH_PART(D, i) {
+    finish_row(P, P->block * (LitheCount)BLOCK_ROWS + row, i, p, f[i / LANES_D]);
+    P->product += exact_store(p + i, f[i / LANES_D], out + i);
+  }
+}
+
 /// q = A p in a block, row by row; returns p . q.
 ALWAYS double apply_rows(const LthFastLevel *L, LitheIndex block, double stiff, double inert,
-                         bool held, const bool uniform, const double *values, double *result) {
-  const LitheIndex first = L->first[block];
+                         const bool held, const bool uniform, const double *values,
+                         double *result) {
   Block_d B;
-  Lane_d product = {0}, f[DIM];
-  exact_block(L, block, stiff, inert, values, &B);
-  int n = 0;
-  EACH_KIND(plain) EACH_ROW(uniform ? 0 : B.kind[plain], row) {
-    const LitheIndex q = number_d(B.own, (int)row);
-    const double *p = values + q * (LitheCount)WIDTH;
-    double *to = result + q * (LitheCount)WIDTH;
-    exact_fetch(&B, p, to, n++);
-    EACH_PART(D, i) {
-      row_d(&B, plain, (int)row, i, f);
-      finish_row(L, block * (LitheCount)BLOCK_ROWS + (int)row, i, inert, held, plain, p, f);
-      product += exact_store(p + i, f, to + i);
-    }
-  }
-  for (int k = 0; uniform && k < DEEP; k++) EACH_PART(D, i) {
-      Slide_d slide;
-      UNROLL_SIDE
-      for (int j = 0; j < SIDE; j++) {
-        const double *p = values + (first + k * SIDE + j) * (LitheCount)WIDTH;
-        double *to = result + (first + k * SIDE + j) * (LitheCount)WIDTH;
-        if (i == 0) exact_fetch(&B, p, to, k * SIDE + j);
-        next_row_d(&B, &slide, j, k, i, f);
-        product += exact_store(p + i, f, to + i);
-      }
-    }
-  return sum_lanes(product);
+  Product P = {L, block, uniform, held, inert, values, result, {0}};
+  exact_block(L, block, stiff, uniform, values, &B);
+  sweep_d(&B, uniform, take_product, &P);
+  return sum_lanes(P.product);
 }
 
 static double apply(const LthFastLevel *L, LitheIndex block, double cm, double ck, bool held,
@@ -391,8 +371,9 @@ static double apply(const LthFastLevel *L, LitheIndex block, double cm, double c
   const double volume = lth_sparse_grid_cell_volume(L->grid);
   const double stiff = ck * volume / (L->grid->h[0] * L->grid->h[0]), inert = cm * volume;
   if (L->kind[block] == LTH_BLOCK_UNIFORM)
-    return apply_rows(L, block, stiff, inert, held, true, values, result);
-  return apply_rows(L, block, stiff, inert, held, false, values, result);
+    return apply_rows(L, block, stiff, inert, false, true, values, result);
+  if (held) return apply_rows(L, block, stiff, inert, true, false, values, result);
+  return apply_rows(L, block, stiff, inert, false, false, values, result);
 }
 
 #include "disc/staggered/staggered_transfers.h"

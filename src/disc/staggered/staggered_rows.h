@@ -22,8 +22,9 @@
 #define UP(a) ((a) == 0 ? 0 : (a) == 1 ? 1 : ROWS_Z) // from a row to the next one along an axis
 #define CELLS (SIDE * SIDE * DEEP)
 #define BLOCK_ROWS (SIDE * DEEP)
-#define WIDTH (DIM * SIDE) // values of a row of vectors
-#define SOON 64            // rows
+#define WIDTH (DIM * SIDE)   // values of a row of vectors
+#define SOON 64              // rows
+#define PARTS (SIDE / LANES) // registers of a row
 #define UNROLL _Pragma("GCC unroll 3")
 #define UNROLL_SIDE _Pragma("GCC unroll 16")
 #define ALWAYS static inline __attribute__((always_inline))
@@ -157,97 +158,6 @@ ALWAYS N(Lane) N(rise)(const N(Rows) * rows, int c, int axis, int r, int x, int 
   return N(at)(rows, c, r + UP(axis), x + (axis == 0), i) - N(at)(rows, c, r, x, i);
 }
 
-/// Divergence in the cells of row r, place x, times h_x.
-ALWAYS N(Lane) N(divergence)(const N(Rows) * rows, const REAL ratio[3], int r, int x, int i) {
-  N(Lane) sum = N(rise)(rows, 0, 0, r, x, i) * ratio[0];
-  UNROLL
-  for (int a = 1; a < DIM; a++) sum += N(rise)(rows, a, a, r, x, i) * ratio[a];
-  return sum;
-}
-
-/// A u where coefficients are constant: laplacian and gradient of the divergence.
-typedef struct N(Constant) {
-  REAL inertia, laplacian[3], gradient[3], ratio[3];
-} N(Constant);
-
-ALWAYS N(Constant) N(constant)(REAL lambda, REAL mu, REAL inertia, const REAL ratio[3]) {
-  N(Constant) c = {.inertia = inertia};
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    c.ratio[a] = ratio[a];
-    c.laplacian[a] = mu * ratio[a] * ratio[a];
-    c.gradient[a] = (lambda + mu) * ratio[a];
-  }
-  return c;
-}
-
-/// What a row finds when it is its turn along y: its own values, component y of those one place down, how much values grow from
-/// the row before, and divergences of that.
-typedef struct N(Slide) {
-  N(Lane) here[DIM], low, rise[DIM], before;
-} N(Slide);
-
-/// Values of row r and how much they grow from the one before.
-ALWAYS void N(begin_slide)(const N(Rows) * rows, const N(Constant) * c, int r, int i,
-                           N(Slide) * s) {
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    s->here[a] = N(at)(rows, a, r, 0, i);
-    s->rise[a] = N(rise)(rows, a, 1, r - 1, 0, i);
-  }
-  s->low = N(at)(rows, 1, r, -1, i);
-  s->before = N(divergence)(rows, c->ratio, r - 1, 0, i);
-}
-
-/// f = A u in row r, where coefficients are constant; `under`: divergence in the plane before, then in this one.
-ALWAYS void N(uniform_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, N(Slide) * s,
-                           N(Lane) * under, N(Lane) f[DIM]) {
-  N(Lane) low[DIM], high[DIM], next[DIM], here = {0}, left = {0};
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    low[a] = s->here[a] - (a == 1 ? s->low : N(at)(rows, a, r, -1, i));
-    high[a] = N(at)(rows, a, r, 1, i) - s->here[a];
-    next[a] = N(at)(rows, a, r + 1, 0, i);
-    f[a] = c->inertia * s->here[a] + c->laplacian[0] * (low[a] - high[a]);
-  }
-  here = c->ratio[0] * high[0];
-  left = c->ratio[0] * low[0];
-  const N(Lane) low_next = N(at)(rows, 1, r + 1, -1, i);
-  left += c->ratio[1] * (low_next - s->low);
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    const N(Lane) rise = next[a] - s->here[a];
-    f[a] += c->laplacian[1] * (s->rise[a] - rise);
-    s->rise[a] = rise;
-  }
-  here += c->ratio[1] * s->rise[1];
-#if DIM == 3
-  left += c->ratio[2] * N(rise)(rows, 2, 2, r, -1, i);
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    const N(Lane) rise = N(at)(rows, a, r + UP(2), 0, i) - s->here[a];
-    f[a] += c->laplacian[2] * (s->here[a] - N(at)(rows, a, r - UP(2), 0, i) - rise);
-    if (a == 2) here += c->ratio[2] * rise;
-  }
-  f[2] -= c->gradient[2] * (here - *under);
-#endif
-  *under = here;
-  f[0] -= c->gradient[0] * (here - left);
-  f[1] -= c->gradient[1] * (here - s->before);
-  UNROLL
-  for (int a = 0; a < DIM; a++) s->here[a] = next[a];
-  s->low = low_next;
-  s->before = here;
-}
-
-/// The same for a row alone.
-ALWAYS void N(lone_row)(const N(Rows) * rows, const N(Constant) * c, int r, int i, N(Lane) f[DIM]) {
-  N(Slide) s;
-  N(begin_slide)(rows, c, r, i, &s);
-  N(Lane) under = DIM == 3 ? N(divergence)(rows, c->ratio, r - UP(DIM - 1), 0, i) : (N(Lane)){0};
-  N(uniform_row)(rows, c, r, i, &s, &under, f);
-}
-
 #define N_SHEAR (DIM == 3 ? 3 : 1)
 #define SHEAR(a, b) (DIM == 3 ? 3 - (a) - (b) : 0) // place of a shear in arrays of them
 
@@ -258,7 +168,6 @@ typedef struct N(Samples) {
   LitheIndex
       here[N_ROWS]; ///< which they are, for rows of the block and of those around it along y and z
   LitheIndex before[BLOCK_ROWS], behind[BLOCK_ROWS]; ///< for those beside it along x
-  REAL ratio[3], scale;                              ///< scale: of the result
 } N(Samples);
 
 /// Rows of samples of a block; those of zeros where it is not there.
@@ -283,94 +192,208 @@ ALWAYS void N(find_samples)(const LthStaggeredLevel *l, const LitheIndex near[N_
   N(copy_numbers)(l, block[9], 0, SIDE, c->here + ROW(0, DEEP));
 }
 
-/// Fetch coefficients: rows that differ stand one after the other.
-ALWAYS void N(fetch_samples)(const N(Samples) * c, LitheCount at) {
+#include "disc/staggered/staggered_ahead.h"
+
+/// The operator in a block.
+typedef struct N(Block) {
+  N(Rows) rows;
+  N(Samples) samples;
+  N(Ahead) ahead;
+  N(Near) own;
+  N(Lane) lambda, mu; ///< of a uniform block
+  REAL ratio[3];      ///< h_x / h_a
+  REAL step[3];       ///< the same times the scale of the result
+} N(Block);
+
+/// Stresses that rows of forces share, as they are found: those at the row before along y, and in the plane before.
+typedef struct N(Slide) {
+  N(Lane) yy[PARTS], xy[PARTS]; ///< xy: at this row
+#if DIM == 3
+  N(Lane) zz[SIDE][PARTS], zx[SIDE][PARTS], yz[SIDE + 1][PARTS]; ///< zx, yz: at this plane
+#endif
+} N(Slide);
+
+/// A sample of row r, from place i on.
+ALWAYS N(Lane) N(sample)(const N(Block) * B, const REAL *of, int r, int i) {
+  return N(load)(of + B->samples.here[r] * B->samples.stride + i);
+}
+
+/// Fetch samples that come soon: rows that differ stand one after the other.
+ALWAYS void N(fetch_samples)(const N(Block) * B, int r) {
+  const N(Samples) *c = &B->samples;
+  const LitheCount at = (c->here[r] + SOON) * c->stride;
   __builtin_prefetch(c->lambda + at, 0, 2);
   __builtin_prefetch(c->mu + at, 0, 2);
   UNROLL
   for (int e = 0; e < N_SHEAR; e++) __builtin_prefetch(c->shear[e] + at, 0, 2);
 }
 
-#include "disc/staggered/staggered_ahead.h"
-
-/// Normal stress along axis a in the cells of row r, place x.
-ALWAYS N(Lane) N(normal)(const N(Rows) * rows, const N(Samples) * c, N(Lane) lambda, N(Lane) mu,
-                         int a, int r, int x, int i) {
-  const N(Lane) pressure = lambda * N(divergence)(rows, c->ratio, r, x, i);
-  return (mu + mu) * (N(rise)(rows, a, a, r, x, i) * c->ratio[a]) + pressure;
+/// Normal stresses in the cells of row r, from place i on.
+ALWAYS void N(normal)(const N(Block) * B, const bool uniform, int r, int i, N(Lane) s[DIM]) {
+  const N(Samples) *c = &B->samples;
+  const N(Lane) lambda = uniform ? B->lambda : N(sample)(B, c->lambda, r, i);
+  const N(Lane) mu = uniform ? B->mu : N(sample)(B, c->mu, r, i);
+  N(Lane) sum = s[0] = N(rise)(&B->rows, 0, 0, r, 0, i);
+  UNROLL
+  for (int a = 1; a < DIM; a++) sum += s[a] = N(rise)(&B->rows, a, a, r, 0, i) * B->ratio[a];
+  const N(Lane) pressure = lambda * sum;
+  UNROLL
+  for (int a = 0; a < DIM; a++) s[a] = (mu + mu) * s[a] + pressure;
 }
 
-/// Shear stress between axes a and b at the edges of row r, place x.
-ALWAYS N(Lane) N(shear)(const N(Rows) * rows, const N(Samples) * c, N(Lane) mu, int a, int b, int r,
-                        int x, int i) {
-  return mu * (N(rise)(rows, a, b, r - UP(b), x - (b == 0), i) * c->ratio[b] +
-               N(rise)(rows, b, a, r - UP(a), x - (a == 0), i) * c->ratio[a]);
+/// That along x in the cell before row `row`, which is row r of tables.
+ALWAYS REAL N(normal_before)(const N(Block) * B, const bool uniform, int row, int r) {
+  enum { LAST = SIDE - 1 };
+  const N(Samples) *c = &B->samples;
+  const N(Rows) *rows = &B->rows;
+  const LitheCount at = uniform ? 0 : c->before[row] * c->stride + LAST;
+  const REAL lambda = uniform ? B->lambda[0] : c->lambda[at], mu = uniform ? B->mu[0] : c->mu[at];
+  const REAL xx = rows->at[1][r][0] - rows->at[0][r][LAST];
+  REAL sum = xx;
+  UNROLL
+  for (int a = 1; a < DIM; a++)
+    sum +=
+        (rows->at[0][r + UP(a)][a * SIDE + LAST] - rows->at[0][r][a * SIDE + LAST]) * B->ratio[a];
+  return (mu + mu) * xx + lambda * sum;
 }
+
+/// Shear stress between axes a < b at the edges of row r, from place i on.
+ALWAYS N(Lane) N(shear)(const N(Block) * B, const bool uniform, int a, int b, int r, int i) {
+  const N(Lane) mu = uniform ? B->mu : N(sample)(B, B->samples.shear[SHEAR(a, b)], r, i);
+  const N(Lane) first = N(rise)(&B->rows, a, b, r - UP(b), 0, i) * B->ratio[b];
+  N(Lane) second = N(rise)(&B->rows, b, a, r - UP(a), -(a == 0), i);
+  if (a != 0) second *= B->ratio[a];
+  return mu * (first + second);
+}
+
+/// That between x and b at the edge behind row `row`, which is row r of tables.
+ALWAYS REAL N(shear_behind)(const N(Block) * B, const bool uniform, int b, int row, int r) {
+  const N(Samples) *c = &B->samples;
+  const N(Rows) *rows = &B->rows;
+  const REAL mu = uniform ? B->mu[0] : c->shear[SHEAR(0, b)][c->behind[row] * c->stride];
+  return mu * ((rows->at[2][r][0] - rows->at[2][r - UP(b)][0]) * B->ratio[b] +
+               (rows->at[2][r][b * SIDE] - rows->at[1][r][b * SIDE + SIDE - 1]));
+}
+
+/// What row j + 1 of plane k finds of row j, where that has not been its turn.
+ALWAYS void N(begin_row)(const N(Block) * B, const bool uniform, int j, int k, N(Slide) * s) {
+  UNROLL_SIDE
+  for (int n = 0; n < PARTS; n++) {
+    N(Lane) normal[DIM];
+    N(normal)(B, uniform, ROW(j, k), n * LANES, normal);
+    s->yy[n] = normal[1];
+    s->xy[n] = N(shear)(B, uniform, 0, 1, ROW(j + 1, k), n * LANES);
+  }
+}
+
+#if DIM == 3
+/// What row j of plane k + 1 finds of plane k, where that has not been its turn.
+ALWAYS void N(begin_plane)(const N(Block) * B, const bool uniform, int j, int k, N(Slide) * s) {
+  UNROLL_SIDE
+  for (int n = 0; n < PARTS; n++) {
+    N(Lane) normal[DIM];
+    N(normal)(B, uniform, ROW(j, k), n * LANES, normal);
+    s->zz[j][n] = normal[2];
+    s->zx[j][n] = N(shear)(B, uniform, 0, 2, ROW(j, k + 1), n * LANES);
+    s->yz[j][n] = N(shear)(B, uniform, 1, 2, ROW(j, k + 1), n * LANES);
+  }
+}
+
+ALWAYS void N(end_plane)(const N(Block) * B, const bool uniform, int k, N(Slide) * s) {
+  UNROLL_SIDE
+  for (int n = 0; n < PARTS; n++)
+    s->yz[SIDE][n] = N(shear)(B, uniform, 1, 2, ROW(SIDE, k + 1), n * LANES);
+}
+#endif
 
 /// f = K u in row (j, k): equation (2).
-ALWAYS void N(general_row)(const N(Rows) * rows, const N(Samples) * c, int j, int k, int i,
-                           N(Lane) f[DIM]) {
+ALWAYS void N(force)(const N(Block) * B, const bool uniform, int j, int k, N(Slide) * s,
+                     N(Lane) f[PARTS][DIM]) {
   const int r = ROW(j, k), row = k * SIDE + j;
-  const LitheCount own = c->here[r] * c->stride;
-  const LitheCount before = c->before[row] * c->stride, behind = c->behind[row] * c->stride;
-  const REAL *l = c->lambda, *m = c->mu;
-  const N(Lane) lambda = N(load)(l + own + i), mu = N(load)(m + own + i);
-  N(fetch_samples)(c, own + i + SOON / 2 * c->stride);
-  UNROLL
-  for (int a = 0; a < DIM; a++) {
-    const LitheCount low = c->here[r - UP(a)] * c->stride;
-    const int x = -(a == 0);
-    f[a] = N(normal)(rows, c, N(beside)(l + before, l + low, NULL, x, i),
-                     N(beside)(m + before, m + low, NULL, x, i), a, r - UP(a), x, i);
-    f[a] = (f[a] - N(normal)(rows, c, lambda, mu, a, r, 0, i)) * c->ratio[a];
+  N(Lane) before = N(same)(N(normal_before)(B, uniform, row, r));
+  const N(Lane) xy_end = N(same)(N(shear_behind)(B, uniform, 1, row, r));
+#if DIM == 3
+  const N(Lane) zx_end = N(same)(N(shear_behind)(B, uniform, 2, row, r));
+#endif
+  UNROLL_SIDE
+  for (int n = 0; n < PARTS; n++) {
+    const int i = n * LANES;
+    const bool last = n + 1 == PARTS;
+    N(Lane) normal[DIM], old = s->xy[n], now = N(shear)(B, uniform, 0, 1, r + UP(1), i);
+    N(normal)(B, uniform, r, i, normal);
+    f[n][0] =
+        B->step[0] * (N(shift_down)(before, normal[0]) - normal[0]) - B->step[1] * (now - old);
+    f[n][1] = B->step[1] * (s->yy[n] - normal[1]) -
+              B->step[0] * (N(shift_up)(old, last ? xy_end : s->xy[n + 1]) - old);
+    before = normal[0];
+    s->yy[n] = normal[1];
+    s->xy[n] = now;
+#if DIM == 3
+    old = s->zx[j][n];
+    now = N(shear)(B, uniform, 0, 2, r + UP(2), i);
+    f[n][0] -= B->step[2] * (now - old);
+    f[n][2] = B->step[2] * (s->zz[j][n] - normal[2]) -
+              B->step[0] * (N(shift_up)(old, last ? zx_end : s->zx[j][n + 1]) - old);
+    s->zz[j][n] = normal[2];
+    s->zx[j][n] = now;
+    old = s->yz[j][n];
+    now = N(shear)(B, uniform, 1, 2, r + UP(2), i);
+    f[n][1] -= B->step[2] * (now - old);
+    f[n][2] -= B->step[1] * (s->yz[j + 1][n] - old);
+    s->yz[j][n] = now;
+#endif
   }
-  UNROLL
-  for (int b = 0; b < DIM; b++) {
-    const LitheCount high = c->here[r + UP(b)] * c->stride;
-    const int x = b == 0;
-    UNROLL
-    for (int a = 0; a < DIM; a++) {
-      if (a == b) continue;
-      const REAL *s = c->shear[SHEAR(a, b)];
-      const N(Lane) there = N(beside)(NULL, s + high, s + behind, x, i);
-      f[a] -= (N(shear)(rows, c, there, a, b, r + UP(b), x, i) -
-               N(shear)(rows, c, N(load)(s + own + i), a, b, r, 0, i)) *
-              c->ratio[b];
+}
+
+/// Takes the forces of row `row` of a block, row q of vectors.
+typedef void (*N(Take))(void *to, int row, LitheIndex q, N(Lane) f[PARTS][DIM]);
+
+/// Rows from j on that follow each other and are `alive`, from row q of vectors on; returns the row behind the last one.
+ALWAYS int N(sweep_rows)(const N(Block) * B, const bool uniform, int j, int k, uint64_t alive,
+                         LitheIndex q, N(Slide) * s, const N(Take) take, void *to) {
+  N(Lane) f[PARTS][DIM];
+  N(begin_row)(B, uniform, j - 1, k, s);
+  do {
+    if (!uniform) N(fetch_samples)(B, ROW(j, k));
+    N(force)(B, uniform, j, k, s, f);
+    take(to, k * SIDE + j, q++, f);
+  } while (alive >> ++j & 1);
+  return j;
+}
+
+#if DIM == 3
+/// What rows of plane k + 1 that are `alive` find of plane k, but what rows of that, `done`, have left.
+ALWAYS void N(sweep_under)(const N(Block) * B, const bool uniform, int k, uint64_t alive,
+                           uint64_t done, N(Slide) * s) {
+  for (uint64_t left = (alive | alive << 1) & ~done; left; left &= left - 1) {
+    const int j = __builtin_ctzll(left);
+    if (j < SIDE)
+      N(begin_plane)(B, uniform, j, k, s);
+    else
+      N(end_plane)(B, uniform, k, s);
+  }
+}
+#endif
+
+/// f = K u in all rows of a block that are alive, in their order.
+ALWAYS void N(sweep)(const N(Block) * B, const bool uniform, const N(Take) take, void *to) {
+  const uint64_t all = ((uint64_t)1 << (SIDE - 1) << 1) - 1;
+  LitheIndex q = B->own.first;
+  N(Slide) s;
+#if DIM == 3
+  N(sweep_under)(B, uniform, -1, uniform ? all : B->own.alive & all, 0, &s);
+#endif
+  for (int k = 0; k < DEEP; k++) {
+    const uint64_t rows = B->own.alive >> k * SIDE, alive = uniform ? all : rows & all;
+    N(fetch_ahead)(&B->ahead, &B->samples, k);
+    for (uint64_t left = alive; left;) {
+      const int from = __builtin_ctzll(left),
+                to_row = N(sweep_rows)(B, uniform, from, k, alive, q, &s, take, to);
+      q += to_row - from;
+      left = left >> to_row << to_row;
     }
+#if DIM == 3
+    if (k + 1 < DEEP) N(sweep_under)(B, uniform, k, uniform ? all : rows >> SIDE & all, alive, &s);
+#endif
   }
-  UNROLL
-  for (int a = 0; a < DIM; a++) f[a] *= c->scale;
-}
-
-/// The operator in a block.
-typedef struct N(Block) {
-  N(Rows) rows;
-  N(Constant) same; ///< in plain rows
-  N(Samples) samples;
-  N(Ahead) ahead;
-  N(Near) own;
-  uint64_t kind[2]; ///< rows that are alive: those that are not plain, and those that are
-  N(Lane) under[SIDE][SIDE / LANES]; ///< divergences of a plane
-} N(Block);
-
-/// Divergences of the plane before a block whose rows are all plain.
-ALWAYS void N(begin_planes)(N(Block) * B) {
-  for (int j = 0; DIM == 3 && j < SIDE; j++)
-    for (int i = 0; i < SIDE; i += LANES)
-      B->under[j][i / LANES] = N(divergence)(&B->rows, B->same.ratio, ROW(j, FIRST_K), 0, i);
-}
-
-/// f = K u with the inertia of `same` in row (j, k) of such a block, one after the other.
-ALWAYS void N(next_row)(N(Block) * B, N(Slide) * s, int j, int k, int i, N(Lane) f[DIM]) {
-  if (j == 0) N(begin_slide)(&B->rows, &B->same, ROW(0, k), i, s);
-  N(uniform_row)(&B->rows, &B->same, ROW(j, k), i, s, &B->under[j][i / LANES], f);
-}
-
-/// f = K u (in plain rows with the inertia of `same`) in a row of a block that has others, too.
-ALWAYS void N(row)(const N(Block) * B, const bool plain, int row, int i, N(Lane) f[DIM]) {
-  const int j = row & (SIDE - 1), k = row / SIDE;
-  if (plain)
-    N(lone_row)(&B->rows, &B->same, ROW(j, k), i, f);
-  else
-    N(general_row)(&B->rows, &B->samples, j, k, i, f);
 }
