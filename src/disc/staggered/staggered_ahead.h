@@ -1,4 +1,4 @@
-/// What is fetched from memory while a block is computed: part of staggered_rows.h.
+/// What is fetched from memory while a block is computed: part of staggered_force.h.
 
 /// Rows that the next block reads of those that follow it along y and z, whom nobody has touched before; of a general one its
 /// states, and samples there; and numbers of samples of a later one and of those that follow it.

@@ -83,6 +83,7 @@ ALWAYS void fast_inertia(const LthFastLevel *L, LitheIndex block, const bool uni
 }
 
 #define EACH_PART(real, i) UNROLL_SIDE for (int i = 0; i < SIDE; i += LANES_##real)
+
 /// With row q, fetch what is wanted soon.
 ALWAYS void fast_fetch(const LthFastLevel *L, LitheIndex q) {
   fetch_row_f(row_of(L->x, q + 2 * SOON)); // neighbours read it before
