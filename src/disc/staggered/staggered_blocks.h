@@ -129,8 +129,8 @@ typedef struct Step {
 } Step;
 
 /// y = keep x - old y + length D^-1 (b - f) in row q, from place i on.
-ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, const float *stored,
-                       LitheIndex q, int i, const Lane_f f[DIM]) {
+ALWAYS void smooth_row(Step *step, const float *stored, LitheIndex q, int i, const Lane_f f[DIM]) {
+  const LthFastLevel *L = step->L;
   const float keep = 1 + step->by.momentum, old = step->by.momentum, length = step->by.length;
   const float *x = row_of(L->x, q), *b = row_of(L->b, q);
   float *y = row_of(L->y, q);
@@ -140,7 +140,7 @@ ALWAYS void smooth_row(const LthFastLevel *L, Step *step, const bool fresh, cons
     const Lane_f r = load_f(b + at) - f[a];
     Lane_f z =
         keep * load_f(x + at) + (stored ? length * load_f(stored + at) * r : step->same[a] * r);
-    if (!fresh) z -= old * load_f(y + at);
+    if (!step->by.fresh) z -= old * load_f(y + at);
     store_f(y + at, z);
     for (int n = at; step->by.product && n < at + LANES_F; n += LANES_D)
       step->product += widen(b + n) * widen(y + n);
@@ -157,7 +157,7 @@ ALWAYS void take_step(void *to, int row, LitheIndex q, Lane_f f[][DIM]) {
   if (!step->uniform) fetch_row_f(inverse + SOON * WIDTH);
   EACH_PART(F, i) {
     fast_inertia(L, step->block, step->uniform, q, i, f[i / LANES_F]);
-    smooth_row(L, step, step->by.fresh, inverse, q, i, f[i / LANES_F]);
+    smooth_row(step, inverse, q, i, f[i / LANES_F]);
   }
 }
 
@@ -327,7 +327,7 @@ ALWAYS void finish_row(const Product *P, LitheCount row, int i, const double *p,
   }
 }
 
-/// The same for a row of two vectors.
+/// The same where a row p of a vector gives one of another.
 ALWAYS void exact_fetch(const double *p, const double *to) {
   fetch_row_d(p + 2 * SOON * WIDTH); // neighbours read it before
   fetch_row_d(to + SOON * WIDTH);

@@ -1,5 +1,5 @@
-/// Where rows of a block and those around it stand, and the operator in one block (staggered_force.h), for one precision and dimension: define REAL, LANES (values of a register), DIM
-/// and N(name), then include.
+/// Where rows of a block and those around it stand, and the operator in one block (staggered_force.h), for one precision
+/// and dimension: define REAL, LANES (values of a register), DIM and N(name), then include.
 // Rows along x are read where they stand, in the block or in its neighbours, by tables of their places; a value to the
 // side comes from a neighbour's row by a shuffle.
 
@@ -130,18 +130,14 @@ ALWAYS void N(find_rows)(const LthFastLevel *L, const LitheIndex block[N_NEAR], 
   }
 }
 
-/// Values i, i + 1, ... of a row, or (x = -1, 1) those one place down or up; `before` and `after` it stand other rows.
-ALWAYS N(Lane) N(beside)(const REAL *before, const REAL *here, const REAL *after, int x, int i) {
-  if (x < 0 && i == 0) return N(shift_down)(N(load)(before + SIDE - LANES), N(load)(here));
-  if (x > 0 && i + LANES == SIDE) return N(shift_up)(N(load)(here + i), N(load)(after));
-  return N(load)(here + i + x);
-}
-
 /// Component c of the unknowns i, i + 1, ... of row r, or (x = -1, 1) of those one place down or up.
 ALWAYS N(Lane) N(at)(const N(Rows) * rows, int c, int r, int x, int i) {
-  const REAL *before = x < 0 ? rows->at[0][r] + c * SIDE : NULL; // the others may not be known
-  const REAL *after = x > 0 ? rows->at[2][r] + c * SIDE : NULL;
-  return N(beside)(before, rows->at[1][r] + c * SIDE, after, x, i);
+  const REAL *here = rows->at[1][r] + c * SIDE + i;
+  if (x < 0 && i == 0)
+    return N(shift_down)(N(load)(rows->at[0][r] + (c + 1) * SIDE - LANES), N(load)(here));
+  if (x > 0 && i + LANES == SIDE)
+    return N(shift_up)(N(load)(here), N(load)(rows->at[2][r] + c * SIDE));
+  return N(load)(here + x);
 }
 
 // Processors guess that a row follows the one before it, but neither how far to look ahead nor where the neighbours of a
