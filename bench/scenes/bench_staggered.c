@@ -136,25 +136,32 @@ static void body_free(LitheCtx *ctx, Body *b) {
   lth_soup_destroy(ctx, &b->soup);
 }
 
-/// Bytes a second of a = b + c d, as many at once as there are threads. Arrays are written first: pages that nobody has
-/// written are one page of zeros, which the cache holds.
-static double triad(LitheCtx *ctx) {
-  enum { N = 8000000 };
-  double *a = lth_alloc(ctx, N, 8), *b = lth_alloc(ctx, N, 8), *c = lth_alloc(ctx, N, 8),
-         best = 1e9;
-  if (!a || !b || !c) check(ctx, LITHE_NO_MEMORY);
+enum { TRIAD = 8000000, ROUNDS = 25 };
+
+/// STREAM's triad, a = b + c d.
+typedef struct Triad {
+  double *a, *b, *c;
+} Triad;
+
+/// Arrays that have been written: pages that nobody has written are one page of zeros, which the cache holds.
+static void triad_create(LitheCtx *ctx, Triad *t) {
+  t->a = lth_alloc(ctx, TRIAD, 8);
+  t->b = lth_alloc(ctx, TRIAD, 8);
+  t->c = lth_alloc(ctx, TRIAD, 8);
+  if (!t->a || !t->b || !t->c) check(ctx, LITHE_NO_MEMORY);
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount i = 0; i < N; i++) a[i] = 0, b[i] = 1, c[i] = 2;
-  for (int run = 0; run < 10; run++) {
-    double start = lth_now();
+  for (LitheCount i = 0; i < TRIAD; i++) t->a[i] = 0, t->b[i] = 1, t->c[i] = 2;
+}
+
+static void triad_run(const LitheCtx *ctx, const Triad *t, double by) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-    for (LitheCount i = 0; i < N; i++) a[i] = b[i] + (run + 1) * c[i];
-    best = fmin(best, lth_now() - start);
-  }
-  lth_free(ctx, a);
-  lth_free(ctx, b);
-  lth_free(ctx, c);
-  return 24.0 * N / best;
+  for (LitheCount i = 0; i < TRIAD; i++) t->a[i] = t->b[i] + by * t->c[i];
+}
+
+static void triad_free(LitheCtx *ctx, Triad *t) {
+  lth_free(ctx, t->a);
+  lth_free(ctx, t->b);
+  lth_free(ctx, t->c);
 }
 
 static double norm(LitheCount n, const double *x) { return sqrt(lth_dot(1, n, x, x)); }
@@ -219,22 +226,51 @@ static void export_matrix(LitheCtx *ctx, const Body *b, const char *path) {
 }
 
 typedef struct Row {
-  double fractions, disc, prepare, solve, residual, apply, dense, moved, full, full_work,
-      full_error, bytes;
+  double fractions, disc, prepare, solve, residual, triad, apply, ratio, dense, moved, full,
+      full_work, full_error, bytes;
   LitheIndex iterations;
 } Row;
 
-/// One application on vectors that lie as the solver's do is what a step of conjugate gradients costs: the call adds the
+static int by_value(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static double median(double v[ROUNDS]) {
+  qsort(v, ROUNDS, sizeof *v, by_value);
+  return v[ROUNDS / 2];
+}
+
+/// The operator against the triad and against plain loops, which take turns; ratios are medians over rounds, since others use the memory
+/// too. One application on vectors that lie as the solver's do is what a step of conjugate gradients costs: the call adds the
 /// way there and back.
 static void time_operator(LitheCtx *ctx, Body *b, Row *row) {
+  double ratio[ROUNDS], dense_ratio[ROUNDS], bytes[ROUNDS];
+  const double least = 16.0 * (double)b->unknowns;
+  Triad t;
+  DenseStencil box;
+  triad_create(ctx, &t);
+  check(ctx, dense_stencil_create(ctx, b->options->dim, b->unknowns, &box));
   row->apply = 1e9;
-  for (int run = 0; run < 4; run++) {
-    double seconds;
-    check(ctx, lth_staggered_multigrid_time_apply(ctx, b->s->solver, 3, &seconds));
-    row->moved = (double)lth_staggered_multigrid_apply_bytes(b->s->solver);
+  for (int run = 0; run < ROUNDS; run++) {
+    double seconds, at[3];
+    at[0] = lth_now();
+    triad_run(ctx, &t, run);
+    at[1] = lth_now();
+    dense_stencil_apply(ctx, &box);
+    at[2] = lth_now();
+    check(ctx, lth_staggered_multigrid_time_apply(ctx, b->s->solver, 1, &seconds));
+    bytes[run] = 24.0 * TRIAD / (at[1] - at[0]);
+    ratio[run] = seconds * bytes[run] / least;
+    dense_ratio[run] = (at[2] - at[1]) * box.share * bytes[run] / least;
     row->apply = fmin(row->apply, seconds);
   }
-  check(ctx, dense_stencil_time(ctx, b->options->dim, b->unknowns, &row->dense));
+  row->ratio = median(ratio);
+  row->dense = median(dense_ratio);
+  row->triad = median(bytes);
+  row->moved = row->ratio * least / (double)lth_staggered_multigrid_apply_bytes(b->s->solver);
+  dense_stencil_free(ctx, &box);
+  triad_free(ctx, &t);
 }
 
 static void time_full(LitheCtx *ctx, Body *b, Row *row) {
@@ -259,7 +295,7 @@ static double now(const Options *o) {
   return (double)at.tv_sec + 1e-9 * (double)at.tv_nsec;
 }
 
-static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double memory) {
+static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells) {
   Body b = {.options = o};
   Row row = {0};
   const LthStaggeredHold hold = {.selects = is_held, .self = &b, .fixed = {true, true, true}};
@@ -287,7 +323,6 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
   if (o->nu == 0.5) row.residual = report.residual; // K alone does not balance without pressures
   time_operator(ctx, &b, &row);
   time_full(ctx, &b, &row);
-  double least = 16.0 * (double)b.unknowns / memory;
   printf(
       o->csv
           ? "%d,%d,%g,%d,%.1f,%lld,%.3f,%.3f,%.3f,%.3f,%d,%.1e,%.0f,%.1f,%.1f,%.2e,%.2f,%.2f,%.2f,%"
@@ -297,11 +332,10 @@ static void measure(LitheCtx *ctx, const Options *o, LitheIndex cells, double me
             "%d iterations, residual %.1e, %.0f unknowns/s, %.1f bytes an unknown (solver %.1f), "
             "operator %.2e s, %.2f x memory (dense %.2f), %.2f x moved, full multigrid %.1f "
             "operators, work %.1f, error %.1e\n",
-      o->dim, cells, o->nu, lth_threads(ctx), memory * 1e-9, (long long)b.unknowns, row.fractions,
-      row.disc, row.prepare, row.solve, report.iterations, row.residual,
-      (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply,
-      row.apply / least, row.dense / least, row.moved > 0 ? row.apply * memory / row.moved : 0,
-      row.full / row.apply, row.full_work, row.full_error);
+      o->dim, cells, o->nu, lth_threads(ctx), row.triad * 1e-9, (long long)b.unknowns,
+      row.fractions, row.disc, row.prepare, row.solve, report.iterations, row.residual,
+      (double)b.unknowns / (row.prepare + row.solve), row.bytes, solver_bytes, row.apply, row.ratio,
+      row.dense, row.moved, row.full / row.apply, row.full_work, row.full_error);
   fflush(stdout);
   if (o->file) export_matrix(ctx, &b, o->file);
   body_free(ctx, &b);
@@ -345,7 +379,6 @@ int main(int argc, char **argv) {
   LitheCtxDef def = lithe_ctx_def_default();
   LitheCtx *ctx = lithe_ctx_create(&def);
   lth_set_threads(ctx, o.threads);
-  double memory = triad(ctx);
   if (o.csv)
     printf("dim,cells,nu,threads,triad GB/s,unknowns,fractions s,disc s,prepare s,solve "
            "s,iterations,residual,"
@@ -357,7 +390,7 @@ int main(int argc, char **argv) {
     if (wanted && wanted != o.dim) continue;
     LitheIndex first = o.dim == 2 ? 256 : 32, last = o.dim == 2 ? 1024 : 128;
     if (o.cells) first = last = o.cells;
-    for (LitheIndex cells = first; cells <= last; cells *= 2) measure(ctx, &o, cells, memory);
+    for (LitheIndex cells = first; cells <= last; cells *= 2) measure(ctx, &o, cells);
   }
   lithe_ctx_destroy(&ctx);
   return 0;

@@ -3,17 +3,8 @@
 #include "base/clones.h"
 
 #include <math.h>
-#include <stddef.h>
 
 #define PAD 8 // values before and after a row, so that rows begin where lines of the cache do
-#define RUNS 12
-
-typedef struct Box {
-  LitheCount side;   // cells along an axis
-  ptrdiff_t step[3]; // from a value to the next one along an axis
-  LitheCount size;   // values of a component, with one cell around the box
-  double *p, *q;
-} Box;
 
 static inline double rise(const double *p, ptrdiff_t i, ptrdiff_t step) {
   return p[i + step] - p[i];
@@ -27,7 +18,7 @@ static inline double divergence(const int dim, const double *const p[3], ptrdiff
 }
 
 /// q = -mu lap p - (lambda + mu) grad div p in a row.
-static inline __attribute__((always_inline)) void stencil(const int dim, const Box *box,
+static inline __attribute__((always_inline)) void stencil(const int dim, const DenseStencil *box,
                                                           ptrdiff_t at) {
   const double mu = 1, both = 2.5;
   const ptrdiff_t step[3] = {1, box->step[1], box->step[2]};
@@ -47,41 +38,38 @@ static inline __attribute__((always_inline)) void stencil(const int dim, const B
   }
 }
 
-LTH_CLONES static void row_2d(const Box *box, ptrdiff_t at) { stencil(2, box, at); }
-LTH_CLONES static void row_3d(const Box *box, ptrdiff_t at) { stencil(3, box, at); }
+LTH_CLONES static void row_2d(const DenseStencil *box, ptrdiff_t at) { stencil(2, box, at); }
+LTH_CLONES static void row_3d(const DenseStencil *box, ptrdiff_t at) { stencil(3, box, at); }
 
-static void apply(const LitheCtx *ctx, int dim, const Box *box) {
-  const LitheCount deep = dim == 3 ? box->side : 1;
+void dense_stencil_apply(const LitheCtx *ctx, const DenseStencil *box) {
+  const LitheCount deep = box->dim == 3 ? box->side : 1;
 #pragma omp parallel for collapse(2) schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount k = 0; k < deep; k++)
     for (LitheCount j = 1; j <= box->side; j++) {
-      const ptrdiff_t at = (dim == 3 ? k + 1 : 0) * box->step[2] + j * box->step[1] + PAD;
-      (dim == 3 ? row_3d : row_2d)(box, at);
+      const ptrdiff_t at = (box->dim == 3 ? k + 1 : 0) * box->step[2] + j * box->step[1] + PAD;
+      (box->dim == 3 ? row_3d : row_2d)(box, at);
     }
 }
 
 /// Values that are not all alike, on pages that each thread has written.
-static void fill(const LitheCtx *ctx, int dim, Box *box) {
+static void fill(const LitheCtx *ctx, DenseStencil *box) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
-  for (LitheCount i = 0; i < dim * box->size; i++) box->p[i] = (double)(i % 17), box->q[i] = 0;
+  for (LitheCount i = 0; i < box->dim * box->size; i++) box->p[i] = (double)(i % 17), box->q[i] = 0;
 }
 
-LitheStatus dense_stencil_time(LitheCtx *ctx, int dim, LitheCount unknowns, double *seconds) {
-  Box box = {.side = (LitheCount)pow((double)unknowns / dim, 1.0 / dim)};
-  box.step[1] = box.side + 2 * PAD;
-  box.step[2] = box.step[1] * (box.side + 2);
-  box.size = box.step[2] * (dim == 3 ? box.side + 2 : 1) + PAD;
-  LTH_NEW(ctx, box.p, dim * box.size);
-  LTH_NEW(ctx, box.q, dim * box.size);
-  fill(ctx, dim, &box);
-  *seconds = INFINITY;
-  for (int run = 0; run < RUNS; run++) {
-    const double start = lth_now();
-    apply(ctx, dim, &box);
-    *seconds = fmin(*seconds, lth_now() - start);
-  }
-  *seconds *= (double)unknowns / (dim * pow((double)box.side, dim));
-  lth_free(ctx, box.p);
-  lth_free(ctx, box.q);
+LitheStatus dense_stencil_create(LitheCtx *ctx, int dim, LitheCount unknowns, DenseStencil *box) {
+  *box = (DenseStencil){.dim = dim, .side = (LitheCount)pow((double)unknowns / dim, 1.0 / dim)};
+  box->step[1] = box->side + 2 * PAD;
+  box->step[2] = box->step[1] * (box->side + 2);
+  box->size = box->step[2] * (dim == 3 ? box->side + 2 : 1) + PAD;
+  box->share = (double)unknowns / (dim * pow((double)box->side, dim));
+  LTH_NEW(ctx, box->p, dim * box->size);
+  LTH_NEW(ctx, box->q, dim * box->size);
+  fill(ctx, box);
   return LITHE_OK;
+}
+
+void dense_stencil_free(LitheCtx *ctx, DenseStencil *box) {
+  lth_free(ctx, box->p);
+  lth_free(ctx, box->q);
 }
