@@ -48,15 +48,14 @@ LitheStatus lth_staggered_multigrid_cycle(LitheCtx *ctx, LthStaggeredMultigrid *
 LitheStatus lth_staggered_multigrid_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                          const double *rhs, double *w);
 
-/// Seconds of one pass of full multigrid, and of one application of the operator, on vectors that lie as solves have them, mean of
-/// `count`; after prepare(). `work`: of the pass, counted on the way, in applications of the operator: steps of smoothers and residuals
+/// Seconds of one pass of full multigrid, on vectors that lie as solves have them, mean of `count`; after prepare(). `work`: of the pass, counted on the way, in applications of the operator: steps of smoothers and residuals
 /// of all levels by their unknowns, transfers and the coarsest solve by the bytes that they touch (rigid clusters left out).
 LitheStatus lth_staggered_multigrid_time_full(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
                                               const double *rhs, int count, double *seconds,
                                               double *work);
-LitheStatus lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *multigrid,
-                                               int count, double *seconds);
-/// Bytes that such an application of K cannot but move: places of x and y, samples of rows that differ, states and numbers of
+/// Seconds of one application of the operator, on vectors that lie as solves have them; after prepare().
+double lth_staggered_multigrid_time_apply(LitheCtx *ctx, LthStaggeredMultigrid *multigrid);
+/// Bytes that such an application cannot but move: places of x and y, samples of rows that differ, states and numbers of
 /// rows in general blocks, each once.
 LitheCount lth_staggered_multigrid_apply_bytes(const LthStaggeredMultigrid *multigrid);
 
