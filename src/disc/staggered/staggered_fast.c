@@ -41,7 +41,6 @@ void lth_fast_level_free(LitheCtx *ctx, LthFastLevel *L) {
   lth_free(ctx, L->kind);
   lth_free(ctx, L->row);
   lth_free(ctx, L->alive);
-  lth_free(ctx, L->plain);
   lth_free(ctx, L->first);
   lth_free(ctx, L->local);
   lth_free(ctx, L->number);

@@ -30,16 +30,14 @@ typedef struct LthFastLevel {
   LitheIndex n_active; ///< blocks with unknowns that are not dead
   LitheIndex *active;  ///< ascending                                       (n_active)
   uint8_t *kind;       ///< LthBlockKind                                    (n_blocks)
-  uint64_t *alive,
-      *plain; ///< rows of a block with unknowns that are alive; those of them whose unknowns are free and
-              ///< touch samples of one material alone          (n_blocks)
-  LitheIndex n_rows;  ///< of vectors, with row 0
-  LitheIndex *row;    ///< in vectors, of rows of slots                     (n_slots / side)
-  LitheIndex *first;  ///< rows of vectors before those of a block          (n_blocks + 1)
-  uint8_t *local;     ///< place of a row of vectors in its block           (n_rows)
-  LitheIndex *number; ///< rows of general blocks before those of a general one, else -1 (n_blocks)
+  uint64_t *alive;     ///< rows of a block with unknowns that are alive            (n_blocks)
+  LitheIndex n_rows;   ///< of vectors, with row 0
+  LitheIndex *row;     ///< in vectors, of rows of slots                     (n_slots / side)
+  LitheIndex *first;   ///< rows of vectors before those of a block          (n_blocks + 1)
+  uint8_t *local;      ///< place of a row of vectors in its block           (n_rows)
+  LitheIndex *number;  ///< rows of general blocks before those of a general one, else -1 (n_blocks)
   LitheIndex n_general;
-  float *constant; ///< stiff lambda, stiff mu, inert rho of plain rows        (n_blocks x 3)
+  float *constant; ///< stiff lambda, stiff mu, inert rho of first rows        (n_blocks x 3)
   float *
       sample; ///< stiff (lambda, mu, shear xy, yz, zx) of the level's rows ((level->n_rows + 1) x 5 or 3 x side)
   float *inertia; ///< inert mass of unknowns, NULL where cm stays 0       (n_general x dim x side)
@@ -97,11 +95,10 @@ static inline LitheCount lth_fast_slot(const LthFastLevel *L, LitheIndex block, 
   return (LitheCount)block * L->grid->block_cells + L->local[q] * (LitheCount)L->grid->side;
 }
 
-/// Place of the samples of a block's plain rows; of its first row where it has none.
+/// Place of the samples of a block's first row: those of all its rows in a uniform one.
 static inline LitheCount lth_fast_constant(const LthFastLevel *L, LitheIndex block) {
   const LitheIndex side = L->grid->side, rows = L->grid->block_cells / side;
-  const int first = L->plain[block] ? __builtin_ctzll(L->plain[block]) : 0;
-  return (LitheCount)L->level->row[block * (LitheCount)rows + first] * side;
+  return (LitheCount)L->level->row[block * (LitheCount)rows] * side;
 }
 
 /// One step of a polynomial smoother.

@@ -92,25 +92,30 @@ static bool has_one_mass(const LthStaggeredLevel *l, LitheIndex block) {
   return true;
 }
 
-/// Which rows of a block are alive, and which of them plain, by the constants of the first one that is.
+/// All rows of a block have the samples and the mass of its first one.
+static bool is_uniform(const LthStaggeredLevel *l, LitheIndex block) {
+  const int side = l->grid->side, rows = l->grid->block_cells / side;
+  const LitheIndex constant = l->row[block * (LitheCount)rows];
+  if (!is_constant(l, constant)) return false;
+  for (int r = 0; r < rows; r++)
+    if (!is_plain(l, block, r % side, r / side, constant)) return false;
+  return has_one_mass(l, block);
+}
+
+/// Which rows of a block are alive, and what kind it is.
 static void sort_block(LthFastLevel *L, LitheIndex block) {
   const LthStaggeredLevel *l = L->level;
   const int side = L->grid->side, rows = L->grid->block_cells / side;
-  LitheIndex constant = -1;
+  bool all_free = true;
   for (int r = 0; r < rows; r++) {
-    const LitheCount at = block * (LitheCount)rows + r;
     bool alive, free;
-    read_states(l, at * side, &alive, &free);
+    read_states(l, (block * (LitheCount)rows + r) * side, &alive, &free);
     L->alive[block] |= (uint64_t)alive << r;
-    if (!free || (constant < 0 && !is_constant(l, l->row[at]))) continue;
-    if (!is_plain(l, block, r % side, r / side, constant < 0 ? l->row[at] : constant)) continue;
-    if (constant < 0) constant = l->row[at];
-    L->plain[block] |= (uint64_t)1 << r;
+    all_free &= free;
   }
-  const uint64_t all = rows == 64 ? UINT64_MAX : ((uint64_t)1 << rows) - 1;
-  L->kind[block] = !L->alive[block]                                   ? LTH_BLOCK_EMPTY
-                   : L->plain[block] == all && has_one_mass(l, block) ? LTH_BLOCK_UNIFORM
-                                                                      : LTH_BLOCK_GENERAL;
+  L->kind[block] = !L->alive[block]                   ? LTH_BLOCK_EMPTY
+                   : all_free && is_uniform(l, block) ? LTH_BLOCK_UNIFORM
+                                                      : LTH_BLOCK_GENERAL;
 }
 
 /// Give places in vectors to rows that are alive, block by block, from 1 on.
@@ -138,7 +143,6 @@ LitheStatus lth_fast_level_sort(LitheCtx *ctx, LthFastLevel *L) {
   LitheIndex n = L->grid->n_blocks;
   LTH_NEW(ctx, L->kind, n);
   LTH_NEW(ctx, L->alive, n);
-  LTH_NEW(ctx, L->plain, n);
   LTH_NEW(ctx, L->number, n);
   LTH_NEW(ctx, L->scaled, n);
   LTH_NEW(ctx, L->same_scale, n);
