@@ -18,12 +18,6 @@ static void number_blocks(LthSparseGrid *g, const uint8_t *wanted) {
       }
 }
 
-static LitheIndex block_at(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
-  if (i < 0 || j < 0 || k < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2])
-    return -1;
-  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
-}
-
 static void find_neighbors(LthSparseGrid *g) {
   int deep = g->dim == 3;
   for (LitheIndex b = 0; b < g->n_blocks; b++) {
@@ -31,7 +25,8 @@ static void find_neighbors(LthSparseGrid *g) {
     LitheIndex *to = g->neighbor + (LitheCount)b * g->n_neighbors;
     for (int dz = -deep; dz <= deep; dz++)
       for (int dy = -1; dy <= 1; dy++)
-        for (int dx = -1; dx <= 1; dx++) *to++ = block_at(g, p[0] + dx, p[1] + dy, p[2] + dz);
+        for (int dx = -1; dx <= 1; dx++)
+          *to++ = lth_sparse_grid_block(g, p[0] + dx, p[1] + dy, p[2] + dz);
   }
 }
 
@@ -83,30 +78,10 @@ void lth_sparse_grid_destroy(LitheCtx *ctx, LthSparseGrid **grid) {
   *grid = NULL;
 }
 
-/// log2 of the cells along a block: divisions by a side that compilers do not know took most of the time of output.
-static int side_bits(const LthSparseGrid *g) { return g->dim == 3 ? 3 : 4; }
-
-LitheCount lth_sparse_grid_slot(const LthSparseGrid *g, LitheIndex i, LitheIndex j, LitheIndex k) {
-  if (i < 0 || j < 0 || k < 0) return -1;
-  const int bits = side_bits(g), mask = (1 << bits) - 1, deep = g->dim == 3 ? bits : 0;
-  LitheIndex block = block_at(g, i >> bits, j >> bits, k >> deep);
-  if (block < 0) return -1;
-  const LitheIndex layer = g->dim == 3 ? k & mask : 0;
-  return (LitheCount)block * g->block_cells + (((layer << bits) + (j & mask)) << bits) + (i & mask);
-}
-
-void lth_sparse_grid_cell(const LthSparseGrid *g, LitheCount slot, LitheIndex cell[3]) {
-  const int bits = side_bits(g), mask = (1 << bits) - 1, in_block = g->dim * bits;
-  const LitheIndex *place = g->place + 3 * (slot >> in_block);
-  const LitheIndex local = (LitheIndex)(slot & (((LitheCount)1 << in_block) - 1));
-  cell[0] = (place[0] << bits) + (local & mask);
-  cell[1] = (place[1] << bits) + (local >> bits & mask);
-  cell[2] = g->dim == 3 ? (place[2] << bits) + (local >> (2 * bits)) : 0;
-}
-
 // Most steps stay in a block.
 LitheCount lth_sparse_grid_step(const LthSparseGrid *g, LitheCount slot, const int d[3]) {
-  const int bits = side_bits(g), side = 1 << bits, mask = side - 1, in_block = g->dim * bits;
+  const int bits = lth_sparse_grid_bits(g), side = 1 << bits, mask = side - 1,
+            in_block = g->dim * bits;
   const LitheIndex local = (LitheIndex)(slot & (((LitheCount)1 << in_block) - 1));
   const int x = (local & mask) + d[0], y = (local >> bits & mask) + d[1],
             z = g->dim == 3 ? (local >> (2 * bits)) + d[2] : 0;

@@ -41,12 +41,51 @@ static inline LitheIndex lth_sparse_grid_blocks(int dim, int axis, LitheIndex n)
   return dim == 2 && axis == 2 ? 1 : (n + side - 1) / side;
 }
 
+/// log2 of the cells along a block: divisions by a side that compilers do not know took most of the time of output.
+static inline int lth_sparse_grid_bits(const LthSparseGrid *g) { return g->dim == 3 ? 3 : 4; }
+
+/// Block at a place among blocks, -1 where there is none.
+static inline LitheIndex lth_sparse_grid_block(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
+                                               LitheIndex k) {
+  if ((i | j | k) < 0 || i >= g->n_block[0] || j >= g->n_block[1] || k >= g->n_block[2]) return -1;
+  return g->block_at[i + (LitheCount)g->n_block[0] * (j + (LitheCount)g->n_block[1] * k)];
+}
+
+/// Block that holds a cell, -1 where there is none.
+static inline LitheIndex lth_sparse_grid_block_of(const LthSparseGrid *g, LitheIndex i,
+                                                  LitheIndex j, LitheIndex k) {
+  const int bits = lth_sparse_grid_bits(g); // what is below 0 stays so
+  return lth_sparse_grid_block(g, i >> bits, j >> bits, g->dim == 3 ? k >> bits : k);
+}
+
 /// Slot of a cell, -1 where there is none (also beyond the grid).
-LitheCount lth_sparse_grid_slot(const LthSparseGrid *grid, LitheIndex i, LitheIndex j,
-                                LitheIndex k);
+static inline LitheCount lth_sparse_grid_slot(const LthSparseGrid *g, LitheIndex i, LitheIndex j,
+                                              LitheIndex k) {
+  const LitheIndex block = lth_sparse_grid_block_of(g, i, j, k);
+  if (block < 0) return -1;
+  const int bits = lth_sparse_grid_bits(g), mask = (1 << bits) - 1;
+  const LitheIndex layer = g->dim == 3 ? k & mask : 0;
+  return (LitheCount)block * g->block_cells + (((layer << bits) + (j & mask)) << bits) + (i & mask);
+}
 
 /// Cell of a slot. Slots of the last blocks may lie beyond n.
-void lth_sparse_grid_cell(const LthSparseGrid *grid, LitheCount slot, LitheIndex cell[3]);
+static inline void lth_sparse_grid_cell(const LthSparseGrid *g, LitheCount slot,
+                                        LitheIndex cell[3]) {
+  const int bits = lth_sparse_grid_bits(g), mask = (1 << bits) - 1, in_block = g->dim * bits;
+  const LitheIndex *place = g->place + 3 * (slot >> in_block);
+  const LitheIndex local = (LitheIndex)(slot & (((LitheCount)1 << in_block) - 1));
+  cell[0] = (place[0] << bits) + (local & mask);
+  cell[1] = (place[1] << bits) + (local >> bits & mask);
+  cell[2] = g->dim == 3 ? (place[2] << bits) + (local >> (2 * bits)) : 0;
+}
+
+/// Slot of the cell `by` cells further along an axis, or -1.
+static inline LitheCount lth_sparse_grid_along(const LthSparseGrid *g, const LitheIndex cell[3],
+                                               int axis, LitheIndex by) {
+  LitheIndex c[3] = {cell[0], cell[1], cell[2]};
+  c[axis] += by;
+  return lth_sparse_grid_slot(g, c[0], c[1], c[2]);
+}
 
 /// Slot of the cell at offset d (-1..1 along each axis) from a slot's, or -1.
 LitheCount lth_sparse_grid_step(const LthSparseGrid *grid, LitheCount slot, const int d[3]);

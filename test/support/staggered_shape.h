@@ -3,7 +3,6 @@
 
 #include "check.h"
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 

@@ -1,7 +1,6 @@
 /// What the solver does with one block, for DIM = 2 or 3: rows in single and double precision, transfers. Compiled once
 /// for every instruction set, whose name is ISA.
 #include "disc/staggered/staggered_fast.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <string.h>
 

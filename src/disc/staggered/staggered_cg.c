@@ -1,7 +1,6 @@
 /// Conjugate gradients in double precision around the V-cycle, on vectors that lie as those of the cycle do.
 // Vectors p, r and q; the V-cycle's x and y lie where q does: q is of use between A p and the next residual alone.
 #include "disc/staggered/staggered_multigrid_priv.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <string.h>
@@ -198,9 +197,9 @@ static void uniform_force(LitheCtx *ctx, LthStaggeredMultigrid *M) {
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheIndex k = 0; k < L->n_active; k++) EACH_CELL(L, L->active[k], i, slot) {
       LitheIndex cell[3];
-      lth_cell_of(l->grid, slot, cell);
+      lth_sparse_grid_cell(l->grid, slot, cell);
       for (int a = 0; a < l->grid->dim; a++) {
-        LitheCount before = lth_slot_along(l->grid, cell, a, -1);
+        LitheCount before = lth_sparse_grid_along(l->grid, cell, a, -1);
         double V = lth_level_value(l, l->volume, slot) + lth_level_value(l, l->volume, before);
         bool counts = l->state[a][slot] == LTH_UNKNOWN_FREE;
         M->r[i + a * l->grid->side] = counts ? V * direction[a] : 0;

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "disc/staggered/staggered_fast.h"
-#include "disc/staggered/staggered_slot.h"
 #include "la/engine.h"
 #include "la/multilevel.h"
 
@@ -72,7 +71,7 @@ static inline LitheIndex lth_cluster_at(const LthStaggeredClusters *C, LitheInde
 /// Where the unknown of component a at a slot is, from the grid's origin.
 static inline void lth_cluster_place(const LthSparseGrid *g, int a, LitheCount slot, double x[3]) {
   LitheIndex cell[3];
-  lth_cell_of(g, slot, cell);
+  lth_sparse_grid_cell(g, slot, cell);
   for (int b = 0; b < 3; b++) x[b] = g->h[b] * (cell[b] + (b == a || b >= g->dim ? 0 : 0.5));
 }
 

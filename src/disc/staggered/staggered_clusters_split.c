@@ -1,7 +1,6 @@
 /// Rigid clusters: which unknowns move together.
 #include "disc/staggered/staggered_clusters.h"
 #include "disc/staggered/staggered_entries.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <omp.h>
@@ -32,7 +31,7 @@ static int root_of(Forest *f, int i) {
 
 /// Number of the box that holds a cell of the block.
 static int box_of(const LthSparseGrid *g, LitheIndex cell_in_block) {
-  int bits = lth_side_bits(g), mask = (1 << bits) - 1, more = bits - BOX_BITS;
+  int bits = lth_sparse_grid_bits(g), mask = (1 << bits) - 1, more = bits - BOX_BITS;
   int x = (cell_in_block & mask) >> BOX_BITS, y = (cell_in_block >> bits & mask) >> BOX_BITS;
   int z = g->dim == 3 ? (cell_in_block >> (2 * bits)) >> BOX_BITS : 0;
   return x + (((z << more) + y) << more);

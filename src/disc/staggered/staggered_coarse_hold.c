@@ -1,6 +1,5 @@
 /// Which faces of a coarse level are held, from those of the finer one.
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
@@ -8,10 +7,12 @@
 /// A fine face on a coarse one's plane is held; or it is dead and the next one, which no coarse plane meets, is held:
 /// there the body ends half a coarse cell before.
 static bool column_is_held(const LthStaggeredLevel *fine, const LitheIndex cell[3], int a) {
-  int here = lth_level_state(fine, a, lth_slot_of(fine->grid, cell[0], cell[1], cell[2]));
+  int here = lth_level_state(fine, a, lth_sparse_grid_slot(fine->grid, cell[0], cell[1], cell[2]));
   if (here != LTH_UNKNOWN_DEAD) return here == LTH_UNKNOWN_HELD;
-  return lth_level_state(fine, a, lth_slot_along(fine->grid, cell, a, 1)) == LTH_UNKNOWN_HELD ||
-         lth_level_state(fine, a, lth_slot_along(fine->grid, cell, a, -1)) == LTH_UNKNOWN_HELD;
+  return lth_level_state(fine, a, lth_sparse_grid_along(fine->grid, cell, a, 1)) ==
+             LTH_UNKNOWN_HELD ||
+         lth_level_state(fine, a, lth_sparse_grid_along(fine->grid, cell, a, -1)) ==
+             LTH_UNKNOWN_HELD;
 }
 
 /// How far the fine face of a cell is before a wall, in cells; behind it less than 0. Neighbours beside it in the coarse face tell.
@@ -23,7 +24,7 @@ static double before_wall(const LthStaggeredLevel *fine, const LitheIndex cell[3
     LitheIndex beside[3] = {cell[0], cell[1], cell[2]};
     beside[b] ^= 1;
     const int state =
-        lth_level_state(fine, a, lth_slot_of(fine->grid, beside[0], beside[1], beside[2]));
+        lth_level_state(fine, a, lth_sparse_grid_slot(fine->grid, beside[0], beside[1], beside[2]));
     if (held && state == LTH_UNKNOWN_FREE)
       before = fmax(before, lth_staggered_wall_way(fine, a, b, beside, cell) - 1);
     if (!held && state == LTH_UNKNOWN_HELD)
@@ -40,7 +41,7 @@ static bool is_clamped(const LthStaggeredLevel *fine, const LitheIndex cell[3], 
       LitheIndex at[3] = {cell[0], cell[1], cell[2]};
       at[a] -= q & 1;
       at[b] += q >> 1;
-      held = lth_level_state(fine, b, lth_slot_of(fine->grid, at[0], at[1], at[2])) ==
+      held = lth_level_state(fine, b, lth_sparse_grid_slot(fine->grid, at[0], at[1], at[2])) ==
              LTH_UNKNOWN_HELD;
     }
     if (!held) return false;
@@ -57,7 +58,7 @@ static bool holds_alone(const LthStaggeredLevel *fine, const LitheIndex cell[3],
     for (int k = 0; k < 3; k++) {
       LitheIndex at[3] = {cell[0], cell[1], cell[2]};
       at[b] += away * (k == 0 ? -1 : k);
-      state[k] = lth_level_state(fine, a, lth_slot_of(fine->grid, at[0], at[1], at[2]));
+      state[k] = lth_level_state(fine, a, lth_sparse_grid_slot(fine->grid, at[0], at[1], at[2]));
     }
     if (state[0] == LTH_UNKNOWN_FREE &&
         (state[1] != LTH_UNKNOWN_HELD || state[2] == LTH_UNKNOWN_FREE))

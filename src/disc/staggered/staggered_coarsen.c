@@ -1,7 +1,6 @@
 /// One level of a staggered grid from the next finer one: averaged coefficients.
 /// Zhu, Sifakis, Teran, Brandt 2010; docs/theory/staggered-multigrid.md, equation (1).
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
@@ -16,7 +15,7 @@ static bool solid_box(const LthStaggeredLevel *l, LitheIndex block, LitheIndex l
   for (LitheCount s = first; s < first + g->block_cells; s++) {
     if (!lth_level_is_live(l, s)) continue;
     LitheIndex c[3];
-    lth_cell_of(g, s, c);
+    lth_sparse_grid_cell(g, s, c);
     for (int a = 0; a < 3; a++) {
       if (!any || c[a] < low[a]) low[a] = c[a];
       if (!any || c[a] > high[a]) high[a] = c[a];
@@ -30,7 +29,7 @@ static bool solid_box(const LthStaggeredLevel *l, LitheIndex block, LitheIndex l
 static void want_blocks(const LthSparseGrid *fine, const LitheIndex low[3],
                         const LitheIndex high[3], const LitheIndex n_block[3], uint8_t *wanted) {
   LitheIndex from[3], to[3];
-  int bits = lth_side_bits(fine);
+  int bits = lth_sparse_grid_bits(fine);
   for (int a = 0; a < 3; a++) {
     bool flat = fine->dim == 2 && a == 2;
     LitheIndex first = (low[a] >> 1) - 1, last = (high[a] >> 1) + 1;
@@ -69,7 +68,7 @@ static bool is_beyond(const LthStaggeredLevel *l, const LitheIndex cell[3], Lith
   bool held = false;
   for (int a = 0; a < l->grid->dim; a++)
     for (int high = 0; high < 2; high++) {
-      const LitheCount at = high ? lth_slot_along(l->grid, cell, a, 1) : slot;
+      const LitheCount at = high ? lth_sparse_grid_along(l->grid, cell, a, 1) : slot;
       const int state = lth_level_state(l, a, at);
       if (state == LTH_UNKNOWN_FREE) return false;
       held |= state == LTH_UNKNOWN_HELD;
@@ -98,7 +97,7 @@ static CellValues box_mean(const LthStaggeredLevel *fine, const LitheIndex cell[
   for (c[2] = low[2]; c[2] <= high[2]; c[2]++)
     for (c[1] = low[1]; c[1] <= high[1]; c[1]++)
       for (c[0] = low[0]; c[0] <= high[0]; c[0]++, n++) {
-        const LitheCount s = lth_slot_of(fine->grid, c[0], c[1], c[2]);
+        const LitheCount s = lth_sparse_grid_slot(fine->grid, c[0], c[1], c[2]);
         if (is_beyond(fine, c, s)) {
           n_beyond++;
           add_cell(fine, s, 1, &beyond);
@@ -124,8 +123,8 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
     for (LitheIndex k = low[2]; k <= high[2]; k++)
       for (LitheIndex j = low[1]; j <= high[1]; j++)
         for (LitheIndex i = low[0]; i <= high[0]; i++)
-          sum += along[s] *
-                 fmax(0, lth_level_value(fine, fine->mass[a], lth_slot_of(fine->grid, i, j, k)));
+          sum += along[s] * fmax(0, lth_level_value(fine, fine->mass[a],
+                                                    lth_sparse_grid_slot(fine->grid, i, j, k)));
   }
   return sum / (fine->grid->dim == 3 ? 4 : 2);
 }
@@ -133,7 +132,7 @@ static double face_mass(const LthStaggeredLevel *fine, const LitheIndex cell[3],
 static void average_slot(const LthStaggeredLevel *fine, LthStaggeredLevel *coarse, LitheCount s) {
   const LthSparseGrid *g = fine->grid;
   LitheIndex cell[3];
-  lth_cell_of(coarse->grid, s, cell);
+  lth_sparse_grid_cell(coarse->grid, s, cell);
   const CellValues own = box_mean(fine, cell, 0);
   coarse->lambda[s] = own.lambda;
   coarse->mu[s] = own.mu;
@@ -213,7 +212,7 @@ static LitheIndex plain_around(const LthStaggeredLevel *fine, const LitheIndex *
   for (LitheIndex k = deep ? 2 * cell[2] - 1 : 0; k <= (deep ? 2 * cell[2] + 2 : 0); k++)
     for (LitheIndex j = 2 * cell[1] - 1; j <= 2 * cell[1] + 2; j++)
       for (int x = 0; x < 4; x++) {
-        const LitheIndex block = lth_block_of(g, 2 * cell[0] + order[x] * side, j, k);
+        const LitheIndex block = lth_sparse_grid_block_of(g, 2 * cell[0] + order[x] * side, j, k);
         const LitheCount row = block * (LitheCount)(g->block_cells / side) +
                                (deep ? (k & mask) * side : 0) + (j & mask);
         const LitheIndex here = block < 0 ? fine->n_rows : plain[row];
@@ -244,7 +243,7 @@ static void copy_row(const LthStaggeredLevel *fine, LitheIndex plain, LthStagger
 static void average_row(const LthStaggeredLevel *fine, const LitheIndex *plain,
                         LthStaggeredLevel *coarse, LitheCount first) {
   LitheIndex cell[3];
-  lth_cell_of(coarse->grid, first, cell);
+  lth_sparse_grid_cell(coarse->grid, first, cell);
   const LitheIndex same = plain ? plain_around(fine, plain, cell) : -1;
   if (same >= 0)
     copy_row(fine, same, coarse, first);

@@ -1,6 +1,5 @@
 /// Rows of the operator as lists of entries: equation (2) of docs/theory/staggered.md with inertia.
 #include "disc/staggered/staggered_entries.h"
-#include "disc/staggered/staggered_slot.h"
 
 static void add_entry(const LthStaggeredLevel *l, int b, LitheCount slot, double value,
                       LthStaggeredEntry *entry, int *n) {
@@ -14,7 +13,7 @@ static LitheCount neighbor(const LthSparseGrid *g, const LitheIndex cell[3], int
   LitheIndex c[3] = {cell[0], cell[1], cell[2]};
   c[a] += da;
   c[b] += db;
-  return lth_slot_of(g, c[0], c[1], c[2]);
+  return lth_sparse_grid_slot(g, c[0], c[1], c[2]);
 }
 
 // Normal stress of the two cells along a, shear of the edges across.
@@ -23,25 +22,25 @@ int lth_staggered_row(const LthStaggeredLevel *l, double cm, double ck, int a, L
   const LthSparseGrid *g = l->grid;
   double volume = lth_sparse_grid_cell_volume(g), scale = volume * ck, ia = 1 / g->h[a];
   LitheIndex cell[3];
-  lth_cell_of(g, s, cell);
-  LitheCount before = lth_slot_along(g, cell, a, -1);
+  lth_sparse_grid_cell(g, s, cell);
+  LitheCount before = lth_sparse_grid_along(g, cell, a, -1);
   const LitheCount at = lth_level_at(l, s);
   double here = l->lambda[at], there = lth_level_value(l, l->lambda, before);
   double high = (2 * l->mu[at] + here) * ia * ia;
   double low = (2 * lth_level_value(l, l->mu, before) + there) * ia * ia;
   double centre = high + low;
   int n = 1;
-  add_entry(l, a, lth_slot_along(g, cell, a, 1), -scale * high, entry, &n);
+  add_entry(l, a, lth_sparse_grid_along(g, cell, a, 1), -scale * high, entry, &n);
   add_entry(l, a, before, -scale * low, entry, &n);
   for (int b = 0; b < g->dim; b++) {
     if (b == a) continue;
     double ib = 1 / g->h[b];
-    LitheCount after = lth_slot_along(g, cell, b, 1);
+    LitheCount after = lth_sparse_grid_along(g, cell, b, 1);
     const double *shear = l->shear[3 - a - b];
     double below = shear[at], above = lth_level_value(l, shear, after);
     centre += (below + above) * ib * ib;
     add_entry(l, a, after, -scale * above * ib * ib, entry, &n);
-    add_entry(l, a, lth_slot_along(g, cell, b, -1), -scale * below * ib * ib, entry, &n);
+    add_entry(l, a, lth_sparse_grid_along(g, cell, b, -1), -scale * below * ib * ib, entry, &n);
     double f = scale * ia * ib;
     add_entry(l, b, s, f * (here + below), entry, &n);
     add_entry(l, b, after, -f * (here + above), entry, &n);

@@ -1,6 +1,5 @@
 /// A level of the fast kernels: its coefficients in single precision, and scales of its interpolation.
 #include "disc/staggered/staggered_fast.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #include <float.h>
@@ -70,14 +69,14 @@ static void set_samples(LitheCtx *ctx, LthFastLevel *L) {
 /// Diagonal entry over stiff.
 static double diagonal_of(const LthFastLevel *L, int a, LitheCount s, const LitheIndex cell[3]) {
   const LthStaggeredLevel *l = L->level;
-  const LitheCount at = lth_level_at(l, s), before = lth_slot_along(L->grid, cell, a, -1);
+  const LitheCount at = lth_level_at(l, s), before = lth_sparse_grid_along(L->grid, cell, a, -1);
   double d = L->ratio[a] * L->ratio[a] *
              (2 * l->mu[at] + l->lambda[at] + 2 * lth_level_value(l, l->mu, before) +
               lth_level_value(l, l->lambda, before));
   for (int b = 0; b < L->grid->dim; b++) {
     if (b == a) continue;
     const double *shear = l->shear[3 - a - b];
-    LitheCount after = lth_slot_along(L->grid, cell, b, 1);
+    LitheCount after = lth_sparse_grid_along(L->grid, cell, b, 1);
     d += L->ratio[b] * L->ratio[b] * (shear[at] + lth_level_value(l, shear, after));
   }
   return d;
@@ -91,7 +90,7 @@ static void set_inverse(LthFastLevel *L, LitheIndex block) {
     for (LitheIndex i = 0; i < width; i++) {
       LitheCount s = lth_fast_slot(L, block, q) + i % side;
       LitheIndex cell[3], a = i / side;
-      lth_cell_of(L->grid, s, cell);
+      lth_sparse_grid_cell(L->grid, s, cell);
       bool alive = l->state[a][s] == LTH_UNKNOWN_FREE;
       double m = L->inert * l->mass[a][lth_level_at(l, s)];
       L->inverse[from + i] = alive ? (float)(1 / (L->stiff * diagonal_of(L, a, s, cell) + m)) : 0;
@@ -176,10 +175,10 @@ static bool is_free(const LthFastLevel *L, LitheIndex block, LitheIndex q, Lithe
 static void mark_walls(const LthFastLevel *L, const LthFastLevel *coarse, uint8_t *near) {
   const LthStaggeredWalls *w = coarse->level->walls;
   const LthSparseGrid *g = L->grid;
-  const int bits = lth_side_bits(g), deep = g->dim == 3;
+  const int bits = lth_sparse_grid_bits(g), deep = g->dim == 3;
   for (LitheIndex i = 0; w && i < w->first[coarse->grid->n_blocks]; i++) {
     LitheIndex c[3], low[3], high[3];
-    lth_cell_of(coarse->grid, w->at[i].slot, c);
+    lth_sparse_grid_cell(coarse->grid, w->at[i].slot, c);
     for (int a = 0; a < 3; a++) {
       low[a] = (2 * c[a] - 4 < 0 ? 0 : 2 * c[a] - 4) >> bits;
       high[a] = (2 * c[a] + 4) >> bits;
@@ -188,7 +187,7 @@ static void mark_walls(const LthFastLevel *L, const LthFastLevel *coarse, uint8_
     for (LitheIndex z = deep ? low[2] : 0; z <= (deep ? high[2] : 0); z++)
       for (LitheIndex y = low[1]; y <= high[1]; y++)
         for (LitheIndex x = low[0]; x <= high[0]; x++) {
-          const LitheIndex b = lth_block_at(g, x, y, z);
+          const LitheIndex b = lth_sparse_grid_block(g, x, y, z);
           if (b >= 0) near[b] = 1;
         }
   }
@@ -202,7 +201,7 @@ static void set_wall_sums(const LthFastLevel *L, const LthFastLevel *coarse, dou
     for (LitheIndex i = 0; i < lth_fast_width(L); i++) {
       if (!is_free(L, block, q, i)) continue;
       LitheIndex cell[3];
-      lth_cell_of(L->grid, lth_fast_slot(L, block, q) + i % side, cell);
+      lth_sparse_grid_cell(L->grid, lth_fast_slot(L, block, q) + i % side, cell);
       const double scale = lth_staggered_wall_scale(coarse->level, L->level, unit, i / side, cell);
       if (scale > 0) L->x.at[q * L->x.stride + i] = (float)(1 / scale);
     }

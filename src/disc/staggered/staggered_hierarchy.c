@@ -1,7 +1,6 @@
 /// Coarser and coarser levels until one is small, or would no longer resolve the body.
 #include "disc/staggered/staggered_hierarchy.h"
 #include "disc/staggered/staggered_loose.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 /// How much of a cell is filled: of the finest level's cells all or nothing.
@@ -19,11 +18,11 @@ static LitheStatus coarsen_filling(LitheCtx *ctx, const LthSparseGrid *fine,
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount s = 0; s < coarse->n_slots; s++) {
     LitheIndex c[3];
-    lth_cell_of(coarse, s, c);
+    lth_sparse_grid_cell(coarse, s, c);
     double sum = 0;
     for (int q = 0; q < (deep ? 8 : 4); q++) {
-      LitheCount child =
-          lth_slot_of(fine, 2 * c[0] + (q & 1), 2 * c[1] + (q >> 1 & 1), 2 * c[2] + (q >> 2));
+      LitheCount child = lth_sparse_grid_slot(fine, 2 * c[0] + (q & 1), 2 * c[1] + (q >> 1 & 1),
+                                              2 * c[2] + (q >> 2));
       if (child >= 0) sum += (*filling)[child];
     }
     mean[s] = (float)(sum / (deep ? 8 : 4));

@@ -36,6 +36,17 @@ void lth_staggered_rule_a(LitheCtx *ctx, LthStaggeredLevel *level);
 
 LitheCount lth_staggered_count_free(LitheCtx *ctx, const LthStaggeredLevel *level);
 
+/// Low and high (inclusive) fine cells under a coarse box: that of a cell, and shifted by half a coarse cell towards
+/// lower places along the axes in `shifted`.
+static inline void lth_fine_box(int dim, const LitheIndex cell[3], int shifted, LitheIndex low[3],
+                                LitheIndex high[3]) {
+  for (int a = 0; a < 3; a++) {
+    bool flat = dim == 2 && a == 2;
+    low[a] = flat ? 0 : 2 * cell[a] - (shifted >> a & 1);
+    high[a] = flat ? 0 : low[a] + 1;
+  }
+}
+
 /// One level coarser: its grid (owned by the caller) and coefficients.
 LitheStatus lth_staggered_coarsen(LitheCtx *ctx, const LthStaggeredLevel *fine,
                                   LthSparseGrid **grid, LthStaggeredLevel *coarse);

@@ -6,7 +6,6 @@
 #include "base/tensor.h"
 #include "disc/staggered/staggered_halo.h"
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <string.h>
@@ -54,8 +53,8 @@ static bool is_live(const LthStaggeredLevel *l, LitheCount slot) {
 
 static LitheCount step(const LthSparseGrid *g, LitheCount slot, int axis, int by) {
   LitheIndex cell[3];
-  lth_cell_of(g, slot, cell);
-  return lth_slot_along(g, cell, axis, by);
+  lth_sparse_grid_cell(g, slot, cell);
+  return lth_sparse_grid_along(g, cell, axis, by);
 }
 
 /// False where the cell holds nothing.
@@ -237,7 +236,7 @@ static void add_motion(const Finder *f, LitheCount slot, int a, const double ori
   LitheIndex cell[3];
   double offset[3] = {0.5, 0.5, 0.5}, x[3], h = f->grid->h[0];
   offset[a] = 0;
-  lth_cell_of(f->grid, slot, cell);
+  lth_sparse_grid_cell(f->grid, slot, cell);
   lth_sparse_grid_place(f->grid, cell, offset, x);
   for (int b = 0; b < 3; b++) x[b] = (x[b] - origin[b]) / h;
   row[a] += c;
@@ -306,7 +305,7 @@ static LitheStatus add_sample(Finder *f, const Sample *s) {
   LitheIndex cell[3];
   double place[3], row[6] = {0};
   Pair *pair;
-  lth_cell_of(f->grid, s->slot[0], cell);
+  lth_sparse_grid_cell(f->grid, s->slot[0], cell);
   lth_sparse_grid_place(f->grid, cell, (const double[3]){0, 0, 0}, place);
   LITHE_TRY(find_pair(f, first, second, place, &pair));
   for (int i = 0; i < s->n; i++)
@@ -425,7 +424,7 @@ static LitheCount drop_cells(Finder *f, LthLoose *loose) {
   for (LitheCount slot = 0; slot < f->grid->n_slots; slot++) {
     if (!f->drop[slot]) continue;
     LitheIndex cell[3];
-    lth_cell_of(f->grid, slot, cell);
+    lth_sparse_grid_cell(f->grid, slot, cell);
     lth_sparse_grid_place(f->grid, cell, (const double[3]){0.5, 0.5, 0.5}, loose->place);
     l->lambda[slot] = l->mu[slot] = 0;
     if (l->compliance) l->compliance[slot] = 0;

@@ -1,6 +1,5 @@
 /// The mixed form's operator, and one V-cycle for displacements with a scaling of pressures as its approximate inverse.
 #include "disc/staggered/staggered_mixed.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,9 +18,10 @@ static bool has_pressure(const LthStaggeredLevel *l, LitheCount slot) {
   LitheIndex cell[3];
   if (!(V > 0)) return false;
   if (C > 0 && sample(l, l->lambda, slot) <= LTH_STIFFEST * sample(l, l->mu, slot)) return false;
-  lth_cell_of(l->grid, slot, cell);
+  lth_sparse_grid_cell(l->grid, slot, cell);
   for (int a = 0; a < l->grid->dim; a++)
-    if (is_free(l, a, slot) || is_free(l, a, lth_slot_along(l->grid, cell, a, 1))) return true;
+    if (is_free(l, a, slot) || is_free(l, a, lth_sparse_grid_along(l->grid, cell, a, 1)))
+      return true;
   return false;
 }
 
@@ -46,12 +46,12 @@ static LitheIndex func_of(const LitheIndex *func, LitheCount slot) {
 static void join_cell(LthMixed *m, const LitheIndex *func, LitheIndex c, LitheCount slot) {
   const LthStaggeredLevel *l = &m->level;
   LitheIndex cell[3], *own = m->func + (m->dim + 1) * (LitheCount)c;
-  lth_cell_of(l->grid, slot, cell);
+  lth_sparse_grid_cell(l->grid, slot, cell);
   m->slot[c] = (LitheIndex)slot;
   own[0] = func_of(func, slot);
   m->beside[(m->dim + 1) * (LitheCount)own[0]] = c;
   for (int a = 0; a < m->dim; a++) {
-    own[1 + a] = func_of(func, lth_slot_along(l->grid, cell, a, 1));
+    own[1 + a] = func_of(func, lth_sparse_grid_along(l->grid, cell, a, 1));
     m->beside[(m->dim + 1) * (LitheCount)own[1 + a] + 1 + a] = c;
   }
 }
@@ -128,13 +128,13 @@ static double diagonal(const LthMixed *m, int a, LitheCount slot) {
   const LthStaggeredLevel *l = &m->level;
   const double *h = l->grid->h;
   LitheIndex cell[3];
-  lth_cell_of(l->grid, slot, cell);
-  const double low = sample(l, l->mu, lth_slot_along(l->grid, cell, a, -1));
+  lth_sparse_grid_cell(l->grid, slot, cell);
+  const double low = sample(l, l->mu, lth_sparse_grid_along(l->grid, cell, a, -1));
   double sum = 2 * (sample(l, l->mu, slot) + low) / (h[a] * h[a]);
   for (int b = 0; b < m->dim; b++) {
     if (b == a) continue;
     const double *shear = l->shear[3 - a - b];
-    const double above = sample(l, shear, lth_slot_along(l->grid, cell, b, 1));
+    const double above = sample(l, shear, lth_sparse_grid_along(l->grid, cell, b, 1));
     sum += (sample(l, shear, slot) + above) / (h[b] * h[b]);
   }
   return sum + m->cm / m->ck * sample(l, l->mass[a], slot);
@@ -149,10 +149,10 @@ static double scale_of(const LthMixed *m, LitheIndex c) {
   const LitheCount slot = m->slot[c];
   double give = 0;
   LitheIndex cell[3];
-  lth_cell_of(l->grid, slot, cell);
+  lth_sparse_grid_cell(l->grid, slot, cell);
   for (int a = 0; a < m->dim; a++)
     for (int side = 0; side < 2; side++) {
-      const LitheCount face = side ? lth_slot_along(l->grid, cell, a, 1) : slot;
+      const LitheCount face = side ? lth_sparse_grid_along(l->grid, cell, a, 1) : slot;
       if (is_free(l, a, face)) give += V * V / (h[a] * h[a] * diagonal(m, a, face));
     }
   const double stiffness = sample(l, m->soft.lambda, slot) / (V * V) + 1 / (share * give);

@@ -1,6 +1,5 @@
 /// The staggered operator and its transfers, one unknown at a time: what the fast kernels are held against.
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #include <math.h>
@@ -14,14 +13,14 @@ static void shift(const LitheIndex cell[3], int axis, LitheIndex by, LitheIndex 
 
 static double value_along(const LthSparseGrid *g, const double *v, const LitheIndex cell[3],
                           int axis, LitheIndex by) {
-  return value_at(v, lth_slot_along(g, cell, axis, by));
+  return value_at(v, lth_sparse_grid_along(g, cell, axis, by));
 }
 
 /// V s_aa at a cell: 2 mu e_aa + lambda tr e.
 static double normal_stress(const LthStaggeredLevel *l, const double *const u[3],
                             const LitheIndex cell[3], int a) {
   const LthSparseGrid *g = l->grid;
-  LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
+  LitheCount s = lth_sparse_grid_slot(g, cell[0], cell[1], cell[2]);
   const double mu = lth_level_value(l, l->mu, s), lambda = lth_level_value(l, l->lambda, s);
   if (mu == 0 && lambda == 0) return 0;
   double trace = 0, own = 0;
@@ -37,7 +36,7 @@ static double normal_stress(const LthStaggeredLevel *l, const double *const u[3]
 static double shear_stress(const LthStaggeredLevel *l, const double *const u[3],
                            const LitheIndex cell[3], int a, int b) {
   const LthSparseGrid *g = l->grid;
-  LitheCount s = lth_slot_of(g, cell[0], cell[1], cell[2]);
+  LitheCount s = lth_sparse_grid_slot(g, cell[0], cell[1], cell[2]);
   double mu = lth_level_value(l, l->shear[3 - a - b], s);
   if (mu == 0) return 0;
   return mu * ((u[a][s] - value_along(g, u[a], cell, b, -1)) / g->h[b] +
@@ -48,7 +47,7 @@ static double row(const LthStaggeredLevel *l, double cm, double ck, const double
                   LitheCount s) {
   const LthSparseGrid *g = l->grid;
   LitheIndex cell[3], other[3];
-  lth_cell_of(g, s, cell);
+  lth_sparse_grid_cell(g, s, cell);
   shift(cell, a, -1, other);
   double f = -(normal_stress(l, u, cell, a) - normal_stress(l, u, other, a)) / g->h[a];
   for (int b = 0; b < g->dim; b++) {
@@ -72,8 +71,8 @@ static double diagonal_entry(const LthStaggeredLevel *l, double cm, double ck, i
                              LitheCount s) {
   const LthSparseGrid *g = l->grid;
   LitheIndex cell[3];
-  lth_cell_of(g, s, cell);
-  LitheCount before = lth_slot_along(g, cell, a, -1);
+  lth_sparse_grid_cell(g, s, cell);
+  LitheCount before = lth_sparse_grid_along(g, cell, a, -1);
   const LitheCount at = lth_level_at(l, s);
   double d = (2 * l->mu[at] + l->lambda[at] + 2 * lth_level_value(l, l->mu, before) +
               lth_level_value(l, l->lambda, before)) /
@@ -81,7 +80,7 @@ static double diagonal_entry(const LthStaggeredLevel *l, double cm, double ck, i
   for (int b = 0; b < g->dim; b++) {
     if (b == a) continue;
     const double *shear = l->shear[3 - a - b];
-    LitheCount after = lth_slot_along(g, cell, b, 1);
+    LitheCount after = lth_sparse_grid_along(g, cell, b, 1);
     d += (shear[at] + lth_level_value(l, shear, after)) / (g->h[b] * g->h[b]);
   }
   return lth_sparse_grid_cell_volume(g) * (ck * d + cm * l->mass[a][at]);
@@ -109,8 +108,8 @@ double lth_staggered_pull(const LthStaggeredLevel *l, double unit, int a, LitheC
   if (l->state[a][s] == LTH_UNKNOWN_DEAD) return 0;
   if (unit == 0) return 1;
   LitheIndex cell[3];
-  lth_cell_of(l->grid, s, cell);
-  LitheCount before = lth_slot_along(l->grid, cell, a, -1);
+  lth_sparse_grid_cell(l->grid, s, cell);
+  LitheCount before = lth_sparse_grid_along(l->grid, cell, a, -1);
   double mu = l->mu[lth_level_at(l, s)] + lth_level_value(l, l->mu, before);
   double V = l->volume[lth_level_at(l, s)] + lth_level_value(l, l->volume, before);
   return V > 0 && mu > 0 ? fmin(1, 2 * V) * mu / (V * unit) : 1;
@@ -132,8 +131,8 @@ static int find_parents(const LthStaggeredLevel *coarse, const LthStaggeredLevel
   for (int q = 0; q < 8; q++) {
     double p = w[0][q & 1] * w[1][q >> 1 & 1] * w[2][q >> 2];
     if (p == 0) continue;
-    LitheCount s = lth_slot_of(coarse->grid, q & 1 ? far[0] : near[0], q & 2 ? far[1] : near[1],
-                               q & 4 ? far[2] : near[2]);
+    LitheCount s = lth_sparse_grid_slot(coarse->grid, q & 1 ? far[0] : near[0],
+                                        q & 2 ? far[1] : near[1], q & 4 ? far[2] : near[2]);
     if (s < 0 || coarse->state[a][s] == LTH_UNKNOWN_DEAD) continue;
     slot[n] = s;
     weight[n++] = p * lth_staggered_pull(coarse, unit, a, s);
@@ -152,7 +151,7 @@ static double wall_scale(const LthStaggeredLevel *coarse, const LthStaggeredLeve
   for (int i = 0; i < n; i++) {
     LitheIndex at[3];
     if (coarse->state[a][slot[i]] == LTH_UNKNOWN_HELD) continue;
-    lth_cell_of(coarse->grid, slot[i], at);
+    lth_sparse_grid_cell(coarse->grid, slot[i], at);
     const double distance = 2 * lth_staggered_wall_distance(coarse, a, at);
     if (distance == 0) return 0;
     sum += weight[i] * distance;
@@ -190,7 +189,7 @@ void lth_staggered_prolong_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
       LitheIndex cell[3];
       LitheCount slot[8];
       double weight[8];
-      lth_cell_of(fine->grid, s, cell);
+      lth_sparse_grid_cell(fine->grid, s, cell);
       int n = lth_staggered_parents(coarse, fine, unit, a, cell, slot, weight);
       for (int i = 0; i < n; i++) u_fine[a][s] += weight[i] * u_coarse[a][slot[i]];
     }
@@ -209,7 +208,7 @@ void lth_staggered_restrict_ref(LitheCtx *ctx, const LthStaggeredLevel *coarse,
       LitheIndex cell[3];
       LitheCount slot[8];
       double weight[8];
-      lth_cell_of(fine->grid, s, cell);
+      lth_sparse_grid_cell(fine->grid, s, cell);
       int n = lth_staggered_parents(coarse, fine, unit, a, cell, slot, weight);
       for (int i = 0; i < n; i++)
         if (coarse->state[a][slot[i]] == LTH_UNKNOWN_FREE)

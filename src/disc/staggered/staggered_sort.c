@@ -1,6 +1,5 @@
 /// Blocks and rows of a level sorted by what they hold.
 #include "disc/staggered/staggered_fast.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 

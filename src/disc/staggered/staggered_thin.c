@@ -1,6 +1,5 @@
 /// Which features of a level are thinner than three cells: what no box of three cells a side fits into.
 #include "disc/staggered/staggered_hierarchy.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <string.h>
 
@@ -10,10 +9,10 @@ static void extreme_along(LitheCtx *ctx, const LthSparseGrid *g, int axis, int r
 #pragma omp parallel for schedule(static) num_threads(lth_threads(ctx))
   for (LitheCount s = 0; s < g->n_slots; s++) {
     LitheIndex c[3];
-    lth_cell_of(g, s, c);
+    lth_sparse_grid_cell(g, s, c);
     uint8_t value = in[s];
     for (int d = -reach; d <= reach; d++) {
-      LitheCount to = lth_slot_along(g, c, axis, d);
+      LitheCount to = lth_sparse_grid_along(g, c, axis, d);
       uint8_t there = to < 0 ? 0 : in[to];
       if (least ? there < value : there > value) value = there;
     }

@@ -32,8 +32,8 @@ static bool find_near_place(const LthSparseGrid *g, const LitheIndex place[3],
                             LitheIndex near[N_NEAR]) {
   bool any = false;
   for (int i = 0; i < N_NEAR; i++) {
-    near[i] = lth_block_at(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
-                           place[2] + (DIM == 3 ? i / 9 - 1 : 0));
+    near[i] = lth_sparse_grid_block(g, place[0] + i % 3 - 1, place[1] + i / 3 % 3 - 1,
+                                    place[2] + (DIM == 3 ? i / 9 - 1 : 0));
     any |= near[i] >= 0;
   }
   return any;
@@ -56,7 +56,7 @@ static void find_children(const LthFastLevel *fine, const LthFastLevel *coarse, 
     LitheIndex place[3];
     int offset[3];
     child_of(coarse->grid, block, child, place, offset);
-    to[child] = lth_block_at(fine->grid, place[0], place[1], place[2]);
+    to[child] = lth_sparse_grid_block(fine->grid, place[0], place[1], place[2]);
   }
 }
 

@@ -1,7 +1,6 @@
 /// Where a held side begins between two unknowns: a difference across it is taken over the way that is left, by the
 /// stiffness of the samples that read it (docs/theory/staggered.md, "Held unknowns").
 #include "disc/staggered/staggered_priv.h"
-#include "disc/staggered/staggered_slot.h"
 #include "disc/staggered/staggered_walls.h"
 
 #define STEPS 10 // halvings of the way between two unknowns
@@ -86,8 +85,8 @@ static void stiffen_cell(LthStaggered *s, const LitheIndex cell[3], LthStaggered
   Cuts c = {0};
   double filled;
   for (int a = 0; a < s->dim; a++)
-    wall->way[a] =
-        (float)add_difference(s, a, a, -1, slot, slot, lth_slot_along(s->grid, cell, a, 1), &c);
+    wall->way[a] = (float)add_difference(s, a, a, -1, slot, slot,
+                                         lth_sparse_grid_along(s->grid, cell, a, 1), &c);
   if (c.ways.n == 0) return;
   const double factor = factor_of(s, slot, -1, &c, &filled);
   level->lambda[slot] *= factor;
@@ -100,10 +99,10 @@ static void stiffen_edge(LthStaggered *s, const LitheIndex cell[3], int e, LthSt
   const LitheCount slot = wall->slot;
   Cuts c = {0};
   double filled;
-  wall->way[3 + 2 * e] =
-      (float)add_difference(s, a, b, e, slot, lth_slot_along(s->grid, cell, b, -1), slot, &c);
-  wall->way[4 + 2 * e] =
-      (float)add_difference(s, b, a, e, slot, lth_slot_along(s->grid, cell, a, -1), slot, &c);
+  wall->way[3 + 2 * e] = (float)add_difference(
+      s, a, b, e, slot, lth_sparse_grid_along(s->grid, cell, b, -1), slot, &c);
+  wall->way[4 + 2 * e] = (float)add_difference(
+      s, b, a, e, slot, lth_sparse_grid_along(s->grid, cell, a, -1), slot, &c);
   if (c.ways.n > 0) s->level.shear[e][slot] *= factor_of(s, slot, e, &c, &filled);
 }
 
@@ -117,7 +116,7 @@ LitheStatus lth_staggered_stiffen_walls(LitheCtx *ctx, LthStaggered *s) {
   for (LitheIndex i = 0; i < w->first[s->grid->n_blocks]; i++) {
     LthStaggeredWall *wall = &w->at[i];
     LitheIndex cell[3];
-    lth_cell_of(s->grid, wall->slot, cell);
+    lth_sparse_grid_cell(s->grid, wall->slot, cell);
     if (lth_level_is_live(&s->level, wall->slot)) stiffen_cell(s, cell, wall);
     for (int e = lth_staggered_first_edge(s); e < 3; e++)
       if (s->level.shear[e][wall->slot] > 0) stiffen_edge(s, cell, e, wall);

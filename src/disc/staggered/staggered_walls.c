@@ -1,6 +1,5 @@
 /// Where held sides begin, carried from level to level: a coarse difference is taken over the way that fine ones leave.
 #include "disc/staggered/staggered_walls.h"
-#include "disc/staggered/staggered_slot.h"
 
 #include <math.h>
 
@@ -14,7 +13,7 @@ static int place_of(int a, int b) {
 /// Is one of the two unknowns of the difference of component a along b held, the other not? `low` is that with the lower place.
 static bool differs(const LthStaggeredLevel *l, int a, int b, LitheCount slot,
                     const LitheIndex cell[3], bool *low_is_held) {
-  const LitheCount other = lth_slot_along(l->grid, cell, b, a == b ? 1 : -1);
+  const LitheCount other = lth_sparse_grid_along(l->grid, cell, b, a == b ? 1 : -1);
   const bool here = lth_level_state(l, a, slot) == LTH_UNKNOWN_HELD,
              there = lth_level_state(l, a, other) == LTH_UNKNOWN_HELD;
   *low_is_held = a == b ? here : there;
@@ -24,7 +23,7 @@ static bool differs(const LthStaggeredLevel *l, int a, int b, LitheCount slot,
 static bool differs_anywhere(const LthStaggeredLevel *l, LitheCount slot) {
   LitheIndex cell[3];
   bool low;
-  lth_cell_of(l->grid, slot, cell);
+  lth_sparse_grid_cell(l->grid, slot, cell);
   for (int a = 0; a < l->grid->dim; a++)
     for (int b = 0; b < l->grid->dim; b++)
       if (differs(l, a, b, slot, cell, &low)) return true;
@@ -132,7 +131,7 @@ LthWallCuts lth_staggered_wall_cuts(const LthStaggeredLevel *l, LitheCount slot,
 double lth_staggered_wall_way(const LthStaggeredLevel *l, int a, int b, const LitheIndex from[3],
                               const LitheIndex to[3]) {
   const LitheIndex *at = (a == b) == (from[b] < to[b]) ? from : to;
-  const LthStaggeredWall *wall = find(l, lth_slot_of(l->grid, at[0], at[1], at[2]));
+  const LthStaggeredWall *wall = find(l, lth_sparse_grid_slot(l->grid, at[0], at[1], at[2]));
   const double way = wall ? wall->way[place_of(a, b)] : 0;
   return way > 0 ? way : 1;
 }
@@ -146,7 +145,7 @@ double lth_staggered_wall_distance(const LthStaggeredLevel *l, int a, const Lith
       int state = LTH_UNKNOWN_FREE;
       for (int step = 0; step < FARTHEST && state == LTH_UNKNOWN_FREE; step++, at[b] += to) {
         next[b] = at[b] + to;
-        state = lth_level_state(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
+        state = lth_level_state(l, a, lth_sparse_grid_slot(l->grid, next[0], next[1], next[2]));
         if (state == LTH_UNKNOWN_HELD)
           least = fmin(least, step + lth_staggered_wall_way(l, a, b, at, next));
       }
@@ -159,12 +158,12 @@ double lth_staggered_wall_distance(const LthStaggeredLevel *l, int a, const Lith
 /// Fine cells from where a coarse unknown is, in one of the lines of fine ones that it stands for, to what is held; -1: it is not near.
 static double way_along(const LthStaggeredLevel *l, int a, int b, LitheIndex at[3], int to) {
   double way = a == b ? 0 : 0.5;
-  int state = lth_level_state(l, a, lth_slot_of(l->grid, at[0], at[1], at[2]));
+  int state = lth_level_state(l, a, lth_sparse_grid_slot(l->grid, at[0], at[1], at[2]));
   if (a != b &&
       state == LTH_UNKNOWN_HELD) { // the wall is between this one and the other of the pair
     LitheIndex other[3] = {at[0], at[1], at[2]};
     other[b] -= to;
-    if (lth_level_state(l, a, lth_slot_of(l->grid, other[0], other[1], other[2])) !=
+    if (lth_level_state(l, a, lth_sparse_grid_slot(l->grid, other[0], other[1], other[2])) !=
         LTH_UNKNOWN_FREE)
       return -1;
     return lth_staggered_wall_way(l, a, b, other, at) - 0.5;
@@ -173,7 +172,7 @@ static double way_along(const LthStaggeredLevel *l, int a, int b, LitheIndex at[
   for (int step = 0; step < FARTHEST; step++) {
     LitheIndex next[3] = {at[0], at[1], at[2]};
     next[b] += to;
-    state = lth_level_state(l, a, lth_slot_of(l->grid, next[0], next[1], next[2]));
+    state = lth_level_state(l, a, lth_sparse_grid_slot(l->grid, next[0], next[1], next[2]));
     if (state == LTH_UNKNOWN_HELD) return way + lth_staggered_wall_way(l, a, b, at, next);
     if (state == LTH_UNKNOWN_DEAD) return -1;
     at[b] = next[b];
@@ -206,14 +205,15 @@ static double coarse_way(const LthStaggeredLevel *fine, int a, int b, const Lith
 static void find_ways(const LthStaggeredLevel *fine, const LthStaggeredLevel *coarse,
                       LthStaggeredWall *wall) {
   LitheIndex cell[3];
-  lth_cell_of(coarse->grid, wall->slot, cell);
+  lth_sparse_grid_cell(coarse->grid, wall->slot, cell);
   for (int a = 0; a < coarse->grid->dim; a++)
     for (int b = 0; b < coarse->grid->dim; b++) {
       bool low_is_held;
       if (!differs(coarse, a, b, wall->slot, cell, &low_is_held)) continue;
       LitheIndex from[3] = {cell[0], cell[1], cell[2]};
       from[b] += a == b ? low_is_held : !low_is_held ? -1 : 0;
-      if (lth_level_state(coarse, a, lth_slot_of(coarse->grid, from[0], from[1], from[2])) ==
+      if (lth_level_state(coarse, a,
+                          lth_sparse_grid_slot(coarse->grid, from[0], from[1], from[2])) ==
           LTH_UNKNOWN_FREE)
         wall->way[place_of(a, b)] = (float)coarse_way(fine, a, b, from, low_is_held ? -1 : 1);
     }

@@ -196,7 +196,8 @@ static void check_rules(const ShapeDef *def) {
       LitheIndex c[3];
       lth_sparse_grid_cell(g, s, c);
       for (int a = 0; a < def->dim; a++) {
-        LitheCount before = lth_slot_along(g, c, a, -1), after = lth_slot_along(g, c, a, 1);
+        LitheCount before = lth_sparse_grid_along(g, c, a, -1),
+                   after = lth_sparse_grid_along(g, c, a, 1);
         bool touches = l->mu[s] > 0 || (before >= 0 && l->mu[before] > 0);
         if (l->state[a][s] != LTH_UNKNOWN_HELD)
           assert_int_equal(l->state[a][s], touches ? LTH_UNKNOWN_FREE : LTH_UNKNOWN_DEAD);
@@ -330,7 +331,7 @@ static LitheCount check_distances(const LthStaggeredLevel *l, const Plane *p, do
         if (p->n[b] != 0)
           inside &= x[b] > (ceil(before / p->n[b]) + (slants ? 1 : -0.1)) * g->h[0] && x[b] < 1;
         for (int k = -4; p->n[b] == 0 && k <= 4; k++)
-          inside &= lth_level_state(l, a, lth_slot_along(g, cell, b, k)) != LTH_UNKNOWN_HELD;
+          inside &= lth_level_state(l, a, lth_sparse_grid_along(g, cell, b, k)) != LTH_UNKNOWN_HELD;
       }
       if (!inside) continue;
       CHECK_NEAR(lth_staggered_wall_distance(l, a, cell), before / lth_v3_norm(p->n),
